@@ -1,0 +1,56 @@
+# deja_view_module(NAME SOURCES file... [MODULES module...] [LINK library...] [PRIVATE_LINK library...])
+#
+# One static library per module, deja_view_NAME, so that the linker holds the dependency order of
+# the modules: a module sees only what it names. MODULES are our own; LINK shows in our headers.
+function(deja_view_module name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;MODULES;LINK;PRIVATE_LINK" ${ARGN})
+  set(target deja_view_${name})
+  add_library(${target} STATIC ${ARG_SOURCES})
+  add_library(deja_view::${name} ALIAS ${target})
+  target_include_directories(
+    ${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
+                     $<INSTALL_INTERFACE:include>)
+  foreach(module IN LISTS ARG_MODULES)
+    target_link_libraries(${target} PUBLIC deja_view_${module})
+  endforeach()
+  target_link_libraries(${target} PUBLIC ${ARG_LINK} PRIVATE ${ARG_PRIVATE_LINK})
+  deja_view_target_defaults(${target})
+  set_property(GLOBAL APPEND PROPERTY DEJA_VIEW_MODULES ${target})
+endfunction()
+
+# deja_view_unit_test(MODULE SOURCES file... [MODULES module...] [LINK library...])
+#
+# One test program per module, MODULE_test, from test/unit/MODULE/*_test.cpp.
+function(deja_view_unit_test module)
+  if(NOT DEJA_VIEW_TESTS)
+    return()
+  endif()
+  cmake_parse_arguments(ARG "" "" "SOURCES;MODULES;LINK" ${ARGN})
+  set(target ${module}_test)
+  list(TRANSFORM ARG_SOURCES PREPEND ${PROJECT_SOURCE_DIR}/test/unit/${module}/)
+  add_executable(${target} ${ARG_SOURCES})
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/test/support)
+  foreach(dependency IN LISTS ARG_MODULES)
+    target_link_libraries(${target} PRIVATE deja_view_${dependency})
+  endforeach()
+  target_link_libraries(${target} PRIVATE ${ARG_LINK} GTest::gmock GTest::gtest_main)
+  deja_view_target_defaults(${target})
+  add_test(NAME ${module} COMMAND ${target})
+  set_tests_properties(${module} PROPERTIES LABELS unit)
+endfunction()
+
+# deja_view_benchmark(NAME SOURCES file... [MODULES module...] [LINK library...]): test/benchmark/NAME.cpp
+function(deja_view_benchmark name)
+  if(NOT DEJA_VIEW_BENCHMARKS)
+    return()
+  endif()
+  cmake_parse_arguments(ARG "" "" "SOURCES;MODULES;LINK" ${ARGN})
+  list(TRANSFORM ARG_SOURCES PREPEND ${PROJECT_SOURCE_DIR}/test/benchmark/)
+  add_executable(${name} ${ARG_SOURCES})
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/test/support)
+  foreach(dependency IN LISTS ARG_MODULES)
+    target_link_libraries(${name} PRIVATE deja_view_${dependency})
+  endforeach()
+  target_link_libraries(${name} PRIVATE ${ARG_LINK} benchmark::benchmark benchmark::benchmark_main)
+  deja_view_target_defaults(${name})
+endfunction()

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "deja_view/geometry/rigid3.hpp"
+
+namespace deja_view {
+
+/// x_A = scale * (R_A_B x_B) + t_A_B.
+struct Similarity3 {
+  double scale = 1.0;
+  Rigid3 T_A_B;
+
+  Eigen::Vector3d operator*(const Eigen::Vector3d& p_B) const {
+    return T_A_B.q * (scale * p_B) + T_A_B.t;
+  }
+};
+
+/// Least-squares alignment of points, ‖p_A − (s R p_B + t)‖², by Umeyama (PAMI 1991).
+/// `with_scale` false keeps s = 1, as `evo_ape -a` does. Throws CheckError for sizes that differ or fewer
+/// than 3 points; for points on one line the rotation about it is arbitrary.
+Similarity3 AlignPoints(const std::vector<Eigen::Vector3d>& p_A,
+                        const std::vector<Eigen::Vector3d>& p_B,
+                        bool with_scale = false);
+
+}  // namespace deja_view
