@@ -1,13 +1,13 @@
 #include "deja_view/base/atomic_file.hpp"
 
+#include "deja_view/base/check.hpp"
+
 #include <cerrno>
 #include <cstring>
 #include <fstream>
 
 #include <fcntl.h>
 #include <unistd.h>
-
-#include "deja_view/base/check.hpp"
 
 namespace deja_view {
 namespace {

@@ -40,17 +40,17 @@ template <typename... Args>
 #define DEJA_VIEW_WHERE __FILE__ ":" DEJA_VIEW_STRINGIZE(__LINE__)
 
 /// Throws CheckError when `condition` does not hold.
-#define DEJA_VIEW_CHECK(condition)                                     \
-  do {                                                                 \
-    if (!(condition)) {                                                \
-      ::deja_view::internal::FailCheck(#condition, DEJA_VIEW_WHERE);   \
-    }                                                                  \
+#define DEJA_VIEW_CHECK(condition)                                   \
+  do {                                                               \
+    if (!(condition)) {                                              \
+      ::deja_view::internal::FailCheck(#condition, DEJA_VIEW_WHERE); \
+    }                                                                \
   } while (false)
 
 /// Throws CheckError with both values when `a op b` does not hold.
-#define DEJA_VIEW_CHECK_OP(a, op, b)                                                    \
-  do {                                                                                  \
-    if (!((a)op(b))) {                                                                  \
-      ::deja_view::internal::FailCheck(#a " " #op " " #b, (a), (b), DEJA_VIEW_WHERE);   \
-    }                                                                                   \
+#define DEJA_VIEW_CHECK_OP(a, op, b)                                                  \
+  do {                                                                                \
+    if (!((a)op(b))) {                                                                \
+      ::deja_view::internal::FailCheck(#a " " #op " " #b, (a), (b), DEJA_VIEW_WHERE); \
+    }                                                                                 \
   } while (false)

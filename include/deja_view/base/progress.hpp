@@ -8,12 +8,17 @@
 namespace deja_view {
 
 /// One line of progress for long work: done/total, rate, time left; redrawn in place on a terminal,
-/// printed as a new line every ten seconds elsewhere (a log file). Used by tools, not by the library's
-/// algorithms, which take a `std::function<void(std::size_t done, std::size_t total)>` instead.
+/// printed as a new line every ten seconds elsewhere (a log file). Used by tools, not by the
+/// library's algorithms, which take a `std::function<void(std::size_t done, std::size_t total)>`
+/// instead.
 class Progress {
  public:
   /// `unit` names what is counted ("keyframes"); `total` 0 means unknown.
-  Progress(std::string label, std::string unit, std::size_t total, std::ostream& stream, bool is_terminal);
+  Progress(std::string label,
+           std::string unit,
+           std::size_t total,
+           std::ostream& stream,
+           bool is_terminal);
   /// Writes to standard error, as a terminal if it is one.
   Progress(std::string label, std::string unit, std::size_t total);
 

@@ -1,10 +1,10 @@
 #pragma once
 
+#include "deja_view/geometry/rigid3.hpp"
+
 #include <vector>
 
 #include <Eigen/Core>
-
-#include "deja_view/geometry/rigid3.hpp"
 
 namespace deja_view {
 
@@ -19,8 +19,8 @@ struct Similarity3 {
 };
 
 /// Least-squares alignment of points, ‖p_A − (s R p_B + t)‖², by Umeyama (PAMI 1991).
-/// `with_scale` false keeps s = 1, as `evo_ape -a` does. Throws CheckError for sizes that differ or fewer
-/// than 3 points; for points on one line the rotation about it is arbitrary.
+/// `with_scale` false keeps s = 1, as `evo_ape -a` does. Throws CheckError for sizes that differ or
+/// fewer than 3 points; for points on one line the rotation about it is arbitrary.
 Similarity3 AlignPoints(const std::vector<Eigen::Vector3d>& p_A,
                         const std::vector<Eigen::Vector3d>& p_B,
                         bool with_scale = false);

@@ -16,7 +16,8 @@ namespace deja_view {
 ///   N  the unit cube of the NeRF
 /// Time stamps are int64_t nanoseconds.
 
-/// Rigid transform T_A_B: rotation `R_A_B` as a unit quaternion and the origin of B in A, `t_A_B` [m].
+/// Rigid transform T_A_B: rotation `R_A_B` as a unit quaternion and the origin of B in A, `t_A_B`
+/// [m].
 struct Rigid3 {
   Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
   Eigen::Vector3d t = Eigen::Vector3d::Zero();
@@ -54,13 +55,15 @@ Eigen::Matrix3d Skew(const Eigen::Vector3d& w);
 /// Wraps an angle [rad] to [-pi, pi].
 double WrapAngle(double angle);
 
-/// Yaw of R_A_B about A's z [rad]: the angle psi of the factorisation R = Rz(psi) Ry(theta) Rx(phi).
+/// Yaw of R_A_B about A's z [rad]: the angle psi of the factorisation R = Rz(psi) Ry(theta)
+/// Rx(phi).
 double Yaw(const Eigen::Quaterniond& q);
 
 /// Rotation by `yaw` [rad] about z.
 Eigen::Quaterniond FromYaw(double yaw);
 
-/// Transform with four degrees of freedom: yaw about gravity and translation, what VIO can't observe.
+/// Transform with four degrees of freedom: yaw about gravity and translation, what VIO can't
+/// observe.
 struct YawTransform {
   double yaw = 0.0;                             ///< [rad]
   Eigen::Vector3d t = Eigen::Vector3d::Zero();  ///< [m]

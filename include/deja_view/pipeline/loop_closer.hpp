@@ -1,17 +1,17 @@
 #pragma once
 
+#include "deja_view/camera/camera.hpp"
+#include "deja_view/features/feature_extractor.hpp"
+#include "deja_view/pipeline/loop_closer_options.hpp"
+#include "deja_view/pipeline/loop_closer_types.hpp"
+#include "deja_view/vocabulary/vocabulary.hpp"
+
 #include <cstdint>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
 #include <vector>
-
-#include "deja_view/camera/camera.hpp"
-#include "deja_view/features/feature_extractor.hpp"
-#include "deja_view/pipeline/loop_closer_options.hpp"
-#include "deja_view/pipeline/loop_closer_types.hpp"
-#include "deja_view/vocabulary/vocabulary.hpp"
 
 namespace deja_view {
 
@@ -24,8 +24,8 @@ struct RelocalisationPoint {
 
 /// The best accepted loop of a keyframe, for `/pose_graph/match_points`.
 struct Relocalisation {
-  int old = -1;      ///< index of the old keyframe
-  Rigid3 T_W_Bold;   ///< old body in the *current* VIO world's estimate, as VINS-Mono expects it
+  int old = -1;     ///< index of the old keyframe
+  Rigid3 T_W_Bold;  ///< old body in the *current* VIO world's estimate, as VINS-Mono expects it
   std::vector<RelocalisationPoint> points;
 };
 
@@ -41,8 +41,9 @@ struct KeyframeReport {
   int sequence = 0;
   bool is_new_sequence = false;
   RejectReason reason = RejectReason::kNoCandidate;  ///< kNone when at least one loop was accepted
-  /// Candidates verified for this keyframe, and loops of earlier keyframes that became consistent (or were
-  /// found inconsistent) now. A pair may be reported twice: first kInconsistent (pending), later accepted.
+  /// Candidates verified for this keyframe, and loops of earlier keyframes that became consistent
+  /// (or were found inconsistent) now. A pair may be reported twice: first kInconsistent (pending),
+  /// later accepted.
   std::vector<LoopReport> loops;
   std::optional<Relocalisation> relocalisation;
   bool graph_changed = false;  ///< optimised poses moved: publish paths anew
@@ -60,12 +61,13 @@ struct KeyframeInfo {
 
 /// Loop closing over a stream of keyframes: features, words, candidates, verification, pose graph.
 ///
-/// Synchronous, deterministic and without threads of its own: the same keyframes in the same order give
-/// the same bits. Not thread-safe; the node guards it with one mutex. A long graph solve can be
-/// moved out of the keyframe's way: see TakeSolve.
+/// Synchronous, deterministic and without threads of its own: the same keyframes in the same order
+/// give the same bits. Not thread-safe; the node guards it with one mutex. A long graph solve can
+/// be moved out of the keyframe's way: see TakeSolve.
 class LoopCloser {
  public:
-  /// Throws InputError when the vocabulary was made for another descriptor than the options ask for.
+  /// Throws InputError when the vocabulary was made for another descriptor than the options ask
+  /// for.
   LoopCloser(const LoopCloserOptions& options,
              std::shared_ptr<const Camera> camera,
              const Rigid3& T_B_C,
@@ -77,14 +79,14 @@ class LoopCloser {
   /// Camera extrinsics from the VIO's online calibration; used from the next keyframe on.
   void SetExtrinsic(const Rigid3& T_B_C);
 
-  /// Adds a keyframe, looks for loops and feeds the graph. Throws InputError, and leaves everything as it
-  /// was, for a keyframe that can't be used: image of another size or type, pose not finite.
+  /// Adds a keyframe, looks for loops and feeds the graph. Throws InputError, and leaves everything
+  /// as it was, for a keyframe that can't be used: image of another size or type, pose not finite.
   /// Points that are not finite are left out. A stamp that goes back, or jumps ahead by more than
   /// `options.sequence_gap_s`, starts a new sequence.
   KeyframeReport AddKeyframe(const KeyframeInput& input);
 
-  /// The VIO's own measurement after fast relocalisation: pose of the keyframe `current` relative to the
-  /// keyframe `old` (its index as handed out in Relocalisation), refined over the window.
+  /// The VIO's own measurement after fast relocalisation: pose of the keyframe `current` relative
+  /// to the keyframe `old` (its index as handed out in Relocalisation), refined over the window.
   /// Ignored, with false, for unknown indices or a pose far from the loop's.
   bool UpdateLoop(int old, std::int64_t stamp_current_ns, const Rigid3& T_Bold_Bcurrent);
 
@@ -101,12 +103,13 @@ class LoopCloser {
   /// Accepted loops in the graph now.
   std::vector<LoopReport> accepted_loops() const;
 
-  /// Whole map (keyframes, descriptors, graph) to a directory, crash-safe: a manifest is renamed into
-  /// place last. Throws InputError when it can't be written.
+  /// Whole map (keyframes, descriptors, graph) to a directory, crash-safe: a manifest is renamed
+  /// into place last. Throws InputError when it can't be written.
   void Save(const std::filesystem::path& directory) const;
 
   /// Replaces the content with a saved map; its sequences stay fixed parts of the map that a new
-  /// sequence can be joined to. On a bad map throws InputError, naming file and field, and keeps what it had.
+  /// sequence can be joined to. On a bad map throws InputError, naming file and field, and keeps
+  /// what it had.
   void Load(const std::filesystem::path& directory);
 
  private:

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "deja_view/geometry/rigid3.hpp"
+
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -7,8 +9,6 @@
 
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
-
-#include "deja_view/geometry/rigid3.hpp"
 
 namespace deja_view {
 
@@ -18,8 +18,9 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 /// A point that the VIO tracks, as seen in one keyframe.
 struct TrackedPoint {
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();  ///< [m] in the VIO's world
-  Eigen::Vector2f pixel = Eigen::Vector2f::Zero();  ///< [px] in the keyframe's image, as the VIO tracked it
-  std::int64_t feature_id = -1;                   ///< the VIO's id of the track
+  Eigen::Vector2f pixel =
+      Eigen::Vector2f::Zero();   ///< [px] in the keyframe's image, as the VIO tracked it
+  std::int64_t feature_id = -1;  ///< the VIO's id of the track
 };
 
 /// What the VIO hands over for one keyframe; all of one stamp.
@@ -32,18 +33,18 @@ struct KeyframeInput {
 
 /// Why a loop candidate, or a keyframe, did not lead to a loop constraint.
 enum class RejectReason {
-  kNone,                ///< accepted
-  kNoCandidate,         ///< the database found nothing similar enough
-  kTooFewPoints,        ///< the keyframe brings too few tracked points to solve a pose
-  kTooFewMatches,       ///< descriptor matches
-  kTooFewInliers,       ///< of the robust pose
+  kNone,           ///< accepted
+  kNoCandidate,    ///< the database found nothing similar enough
+  kTooFewPoints,   ///< the keyframe brings too few tracked points to solve a pose
+  kTooFewMatches,  ///< descriptor matches
+  kTooFewInliers,  ///< of the robust pose
   kLowInlierRatio,
-  kPoorSpread,          ///< inliers crowd in one part of the image
-  kTooFar,              ///< distance between the two cameras
+  kPoorSpread,  ///< inliers crowd in one part of the image
+  kTooFar,      ///< distance between the two cameras
   kTooMuchYaw,
-  kGravity,             ///< roll or pitch disagree with the VIO's
-  kUncertain,           ///< covariance of the pose too large
-  kInconsistent,        ///< not in a pairwise consistent set with the other loops (pending or refused)
+  kGravity,       ///< roll or pitch disagree with the VIO's
+  kUncertain,     ///< covariance of the pose too large
+  kInconsistent,  ///< not in a pairwise consistent set with the other loops (pending or refused)
 };
 
 /// "accepted" for kNone, else the reason in snake_case, as in loops.csv and the diagnostics.
@@ -55,9 +56,9 @@ struct LoopReport {
   int old = -1;
   std::int64_t stamp_current_ns = 0;
   std::int64_t stamp_old_ns = 0;
-  Rigid3 T_Bold_Bcurrent;                              ///< measured relative pose [m]
+  Rigid3 T_Bold_Bcurrent;                  ///< measured relative pose [m]
   Matrix6d covariance = Matrix6d::Zero();  ///< of (t [m], rotation vector [rad]) in frame Bold
-  double score = 0;                                    ///< place score of the candidate
+  double score = 0;                        ///< place score of the candidate
   int matches = 0;
   int inliers = 0;
   bool is_virtual = false;  ///< supported by virtual views only

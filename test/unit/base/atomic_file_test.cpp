@@ -1,13 +1,13 @@
 #include "deja_view/base/atomic_file.hpp"
 
+#include "deja_view/base/check.hpp"
+
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
 #include <string>
 
 #include <gtest/gtest.h>
-
-#include "deja_view/base/check.hpp"
 
 namespace deja_view {
 namespace {

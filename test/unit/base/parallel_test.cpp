@@ -22,10 +22,10 @@ TEST_P(ParallelForTest, VisitsEveryIndexOnce) {
 }
 
 TEST_P(ParallelForTest, HandsExceptionsToTheCaller) {
-  EXPECT_THROW(ParallelFor(GetParam(),
-                           10,
-                           [](std::size_t, std::size_t) { throw std::runtime_error("boom"); }),
-               std::runtime_error);
+  EXPECT_THROW(
+      ParallelFor(
+          GetParam(), 10, [](std::size_t, std::size_t) { throw std::runtime_error("boom"); }),
+      std::runtime_error);
 }
 
 INSTANTIATE_TEST_SUITE_P(Threads, ParallelForTest, ::testing::Values(0, 1, 2, 5));

@@ -1,10 +1,10 @@
 #include "deja_view/geometry/alignment.hpp"
 
+#include "deja_view/base/check.hpp"
+
 #include <random>
 
 #include <gtest/gtest.h>
-
-#include "deja_view/base/check.hpp"
 
 namespace deja_view {
 namespace {

@@ -52,7 +52,9 @@ TEST(Rigid3, WrapsAngles) {
 TEST(Rigid3, YawTransformIsTheNearestRotationAboutZ) {
   const Rigid3 T{FromYaw(-1.1) * ExpSo3({0.02, -0.03, 0.0}), {1, 2, 3}};
   const double best = ToYawTransform(T).yaw;
-  const auto distance = [&](double yaw) { return (FromYaw(yaw).toRotationMatrix() - T.R()).norm(); };
+  const auto distance = [&](double yaw) {
+    return (FromYaw(yaw).toRotationMatrix() - T.R()).norm();
+  };
   EXPECT_LT(distance(best), distance(best + 1e-4));
   EXPECT_LT(distance(best), distance(best - 1e-4));
   EXPECT_NEAR(best, -1.1, 1e-3);
