@@ -8,8 +8,8 @@
 
 namespace deja_view {
 
-/// A calibrated camera: maps between points in frame C [m] and pixels; (0, 0) is the centre of the top
-/// left pixel. Immutable, so that threads may share it.
+/// A calibrated camera: maps between points in frame C [m] and pixels; (0, 0) is the centre of the
+/// top left pixel. Immutable, so that threads may share it.
 class Camera {
  public:
   using ProjectionJacobian = Eigen::Matrix<double, 2, 3>;
@@ -23,7 +23,8 @@ class Camera {
   virtual std::string ModelType() const = 0;
 
   /// Pixel of p_C, or nothing where the model does not see it (behind a pinhole, beyond the lens'
-  /// largest angle). The pixel may lie outside the image. `J`, when given, receives d pixel / d p_C.
+  /// largest angle). The pixel may lie outside the image. `J`, when given, receives d pixel / d
+  /// p_C.
   virtual std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& p_C,
                                                  ProjectionJacobian* J = nullptr) const = 0;
 

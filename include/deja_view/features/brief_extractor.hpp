@@ -1,0 +1,39 @@
+#pragma once
+
+#include "deja_view/features/brief_pattern.hpp"
+#include "deja_view/features/feature_extractor.hpp"
+#include "deja_view/features/feature_options.hpp"
+
+namespace deja_view {
+
+/// FAST corners (segment test of 9 of 16 pixels, non-maximum suppression; Eq. 1) with upright
+/// 256-bit BRIEF (Eq. 2-3).
+///
+/// The descriptor is VINS-Mono's (DVision's BRIEF): the whole image is smoothed with a 9 x 9
+/// Gaussian of sigma 2 px (`cv::GaussianBlur` on 8 bits, border reflected), and with S the smoothed
+/// image and (x, y) the keypoint's pixel, bit i = S(x + x1_i, y + y1_i) < S(x + x2_i, y + y2_i).
+/// Samples outside the image are clamped to it; VINS-Mono leaves such bits 0.
+class BriefExtractor final : public FeatureExtractor {
+ public:
+  /// Throws CheckError for invalid options, InputError for a bad pattern file.
+  explicit BriefExtractor(const BriefOptions& options = {});
+
+  std::string DescriptorName() const override { return "brief"; }
+  Features Extract(const cv::Mat& image) const override;
+  Features Extract(const cv::Mat& image,
+                   const std::vector<cv::Point2f>& points,
+                   std::vector<Descriptor>* point_descriptors) const override;
+
+  const BriefPattern& pattern() const { return pattern_; }
+
+ private:
+  cv::Mat Smooth(const cv::Mat& image) const;
+  std::vector<Keypoint> Detect(const cv::Mat& image) const;
+  cv::Point ToPixel(const cv::Point2f& point) const;
+
+  BriefOptions options_;
+  BriefPattern pattern_;
+  int radius_;
+};
+
+}  // namespace deja_view

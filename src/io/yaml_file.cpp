@@ -1,0 +1,42 @@
+#include "yaml_file.hpp"
+
+#include "deja_view/base/check.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+namespace deja_view::internal {
+
+std::string Where(const std::filesystem::path& path, const YAML::Mark& mark) {
+  return mark.is_null() ? path.string() : fmt::format("{}:{}", path.string(), mark.line + 1);
+}
+
+YAML::Node LoadYamlMap(const std::filesystem::path& path) {
+  if (std::filesystem::is_directory(path)) {
+    ThrowInputError("{}: expected a YAML file, found a directory", path.string());
+  }
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) {
+    ThrowInputError("{}: can't be opened: {}", path.string(), std::strerror(errno));
+  }
+  std::ostringstream buffer;
+  buffer << stream.rdbuf();
+  std::string text = buffer.str();
+  constexpr const char* kOpenCvHeader = "%YAML:";
+  if (text.compare(0, std::strlen(kOpenCvHeader), kOpenCvHeader) == 0) {
+    text[0] = '#';  // keeps the line numbers
+  }
+  try {
+    YAML::Node root = YAML::Load(text);
+    if (!root.IsMap() && !root.IsNull()) {
+      ThrowInputError("{}: expected a map of keys at the top level", path.string());
+    }
+    return root;
+  } catch (const YAML::Exception& e) {
+    ThrowInputError("{}: {}", Where(path, e.mark), e.msg);
+  }
+}
+
+}  // namespace deja_view::internal

@@ -1,0 +1,172 @@
+#include "deja_view/io/vins_config.hpp"
+
+#include "deja_view/base/check.hpp"
+#include "deja_view/camera/kannala_brandt_camera.hpp"
+#include "deja_view/camera/mei_camera.hpp"
+#include "deja_view/camera/pinhole_camera.hpp"
+
+#include <cstdlib>
+#include <fstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+namespace deja_view {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr const char* kPinhole = R"(%YAML:1.0
+#common parameters
+imu_topic: "/imu0"
+image_topic: "/cam0/image_raw"
+output_path: "/tmp/output/"
+model_type: PINHOLE
+camera_name: camera
+image_width: 752
+image_height: 480
+distortion_parameters:
+   k1: -2.917e-01
+   k2: 8.228e-02
+   p1: 5.333e-05
+   p2: -1.578e-04
+projection_parameters:
+   fx: 4.616e+02
+   fy: 4.603e+02
+   cx: 3.630e+02
+   cy: 2.481e+02
+estimate_extrinsic: 0   # 0  Have an accurate extrinsic parameters.
+extrinsicRotation: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [0.0148655429818, -0.999880929698, 0.00414029679422,
+           0.999557249008, 0.0149672133247, 0.025715529948,
+           -0.0257744366974, 0.00375618835797, 0.999660727178]
+extrinsicTranslation: !!opencv-matrix
+   rows: 3
+   cols: 1
+   dt: d
+   data: [-0.0216401454975,-0.064676986768, 0.00981073058949]
+max_cnt: 150
+loop_closure: 1
+fast_relocalization: 1
+load_previous_pose_graph: 0
+pose_graph_save_path: "/tmp/output/pose_graph/"
+)";
+
+class VinsConfigTest : public ::testing::Test {
+ protected:
+  ~VinsConfigTest() override { std::filesystem::remove(path_); }
+
+  VinsConfig Read(const std::string& text) {
+    std::ofstream(path_) << text;
+    return ReadVinsConfig(path_);
+  }
+
+  // The file with one part replaced; the message of the error it must give.
+  std::string ErrorAfter(const std::string& from, const std::string& to) {
+    std::string text = kPinhole;
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    text.replace(at, from.size(), to);
+    try {
+      Read(text);
+    } catch (const InputError& e) {
+      EXPECT_THAT(e.what(), HasSubstr(path_.string()));
+      return e.what();
+    }
+    ADD_FAILURE() << "no error after replacing " << from;
+    return "";
+  }
+
+  std::filesystem::path path_ = std::filesystem::temp_directory_path() /
+                                ("deja_view_vins_" + std::to_string(::getpid()) + ".yaml");
+};
+
+TEST_F(VinsConfigTest, ReadsAPinhole) {
+  const VinsConfig config = Read(kPinhole);
+  const auto* camera = dynamic_cast<const PinholeCamera*>(config.camera.get());
+  ASSERT_NE(camera, nullptr);
+  EXPECT_EQ(camera->width(), 752);
+  EXPECT_EQ(camera->height(), 480);
+  EXPECT_EQ(camera->parameters().fx, 461.6);
+  EXPECT_EQ(camera->parameters().p2, -1.578e-4);
+  EXPECT_NEAR(config.T_B_C.R()(1, 0), 0.999557249008, 1e-9);
+  EXPECT_NEAR(config.T_B_C.q.norm(), 1.0, 1e-15);
+  EXPECT_EQ(config.T_B_C.t.y(), -0.064676986768);
+  EXPECT_EQ(config.image_topic, "/cam0/image_raw");
+  EXPECT_EQ(config.imu_topic, "/imu0");
+  EXPECT_TRUE(config.loop_closure);
+  EXPECT_TRUE(config.fast_relocalization);
+  EXPECT_FALSE(config.load_previous_pose_graph);
+  EXPECT_EQ(config.pose_graph_save_path, "/tmp/output/pose_graph/");
+}
+
+TEST_F(VinsConfigTest, ReadsTheSharedFile) {
+  const char* data = std::getenv("DEJA_VIEW_DATA");
+  if (data == nullptr || !std::filesystem::exists(std::filesystem::path(data) / "euroc.yaml")) {
+    GTEST_SKIP() << "set DEJA_VIEW_DATA to the data directory";
+  }
+  EXPECT_EQ(ReadVinsConfig(std::filesystem::path(data) / "euroc.yaml").camera->width(), 752);
+}
+
+TEST_F(VinsConfigTest, ReadsAFisheyeAndAnOmnidirectionalCamera) {
+  std::string text = kPinhole;
+  text.replace(text.find("PINHOLE"), 7, "KANNALA_BRANDT");
+  text.replace(text.find("   fx:"),
+               6,
+               "   k2: 0.01\n   k3: 0.02\n   k4: 0.03\n   k5: 0.04\n"
+               "   mu: 400\n   mv: 401\n   u0: 370\n   v0: 240\n   fx:");
+  const VinsConfig fisheye = Read(text);
+  const auto* kannala = dynamic_cast<const KannalaBrandtCamera*>(fisheye.camera.get());
+  ASSERT_NE(kannala, nullptr);
+  EXPECT_EQ(kannala->parameters().k5, 0.04);
+  EXPECT_EQ(kannala->parameters().v0, 240);
+
+  text = kPinhole;
+  text.replace(text.find("PINHOLE"), 7, "MEI");
+  text.replace(text.find("distortion_"), 11, "mirror_parameters:\n   xi: 1.9\ndistortion_");
+  text.replace(
+      text.find("   fx:"), 6, "   gamma1: 800\n   gamma2: 801\n   u0: 370\n   v0: 240\n   fx:");
+  const VinsConfig omnidirectional = Read(text);
+  const auto* mei = dynamic_cast<const MeiCamera*>(omnidirectional.camera.get());
+  ASSERT_NE(mei, nullptr);
+  EXPECT_EQ(mei->parameters().xi, 1.9);
+  EXPECT_EQ(mei->parameters().gamma2, 801);
+  EXPECT_EQ(mei->parameters().k1, -0.2917);
+}
+
+TEST_F(VinsConfigTest, NamesWhatIsWrong) {
+  EXPECT_THAT(ErrorAfter("   fx: 4.616e+02\n", ""),
+              HasSubstr("key 'projection_parameters.fx' is missing"));
+  EXPECT_THAT(ErrorAfter("fx: 4.616e+02", "fx: wide"),
+              HasSubstr(":16: key 'projection_parameters.fx': expected a number, found 'wide'"));
+  EXPECT_THAT(ErrorAfter("fx: 4.616e+02", "fx: .nan"), HasSubstr("expected a finite number"));
+  EXPECT_THAT(ErrorAfter("fy: 4.603e+02", "fy: -1"), HasSubstr("expected a number above 0"));
+  EXPECT_THAT(ErrorAfter("image_width: 752", "image_width: 0"), HasSubstr("'image_width'"));
+  EXPECT_THAT(ErrorAfter("PINHOLE", "PINHOLLE"),
+              HasSubstr("expected PINHOLE, KANNALA_BRANDT or MEI, found 'PINHOLLE'"));
+  EXPECT_THAT(ErrorAfter("image_topic: \"/cam0/image_raw\"\n", ""), HasSubstr("'image_topic'"));
+  EXPECT_THAT(ErrorAfter("loop_closure: 1", "loop_closure: 2"), HasSubstr("expected 0 or 1"));
+  EXPECT_THAT(ErrorAfter("0.0148655429818", "0.5"), HasSubstr("expected a rotation matrix"));
+  EXPECT_THAT(ErrorAfter("0.0148655429818", ".inf"), HasSubstr("finite numbers"));
+  EXPECT_THAT(ErrorAfter("0.0148655429818,", ""), HasSubstr("opencv-matrix of 3 x 3"));
+  EXPECT_THAT(ErrorAfter("cols: 1", "cols: 3"), HasSubstr("opencv-matrix of 3 x 1"));
+  EXPECT_THAT(ErrorAfter("distortion_parameters:", "distortion_parameters: 1\nx:"),
+              HasSubstr("expected a map of parameters"));
+}
+
+TEST_F(VinsConfigTest, RefusesFilesThatAreNoYaml) {
+  EXPECT_THROW(ReadVinsConfig("/nonexistent/camera.yaml"), InputError);
+  EXPECT_THROW(ReadVinsConfig(std::filesystem::temp_directory_path()), InputError);
+  EXPECT_THROW(Read("- 1\n- 2\n"), InputError);
+  EXPECT_THROW(Read("a: [1, 2\n"), InputError);
+  EXPECT_THROW(Read(""), InputError);
+  EXPECT_THROW(Read("text"), InputError);
+}
+
+}  // namespace
+}  // namespace deja_view
