@@ -1,0 +1,56 @@
+#pragma once
+
+#include "deja_view/geometry/rigid3.hpp"
+#include "deja_view/pipeline/loop_closer_types.hpp"
+#include "deja_view/ros/conversions.hpp"
+#include "deja_view/ros/keyframe_assembler.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+namespace deja_view {
+
+/// Topics that VINS-Mono publishes and the loop closer reads.
+struct VioTopics {
+  std::string image = "/cam0/image_raw";
+  std::string keyframe_pose = "/vins_estimator/keyframe_pose";
+  std::string keyframe_point = "/vins_estimator/keyframe_point";
+  std::string extrinsic = "/vins_estimator/extrinsic";
+  std::string odometry = "/vins_estimator/odometry";
+  std::string imu_propagate = "/vins_estimator/imu_propagate";
+  std::string relo_relative_pose = "/vins_estimator/relo_relative_pose";
+};
+
+/// What a replay hands over. Empty callbacks are passed over, and their topics are not read.
+struct ReplayCallbacks {
+  /// Required. An InputError that it throws is counted and passed to on_problem; the replay goes
+  /// on.
+  std::function<void(const KeyframeInput&)> on_keyframe;
+  /// Just before the first keyframe for which the VIO's camera calibration holds.
+  std::function<void(const Rigid3& T_B_C)> on_extrinsic;
+  std::function<void(const StampedPose& T_W_B)> on_odometry;
+  std::function<void(const RelativePoseUpdate&)> on_relative_pose;
+  /// A message that can't be used, with the reason, or a keyframe that was dropped.
+  std::function<void(const std::string& what)> on_problem;
+  /// After each message: how many of all messages are done.
+  std::function<void(std::int64_t done, std::int64_t total)> on_progress;
+};
+
+struct ReplayReport {
+  AssemblerCounts assembler;
+  std::int64_t messages = 0;      ///< read from the bag
+  std::int64_t bad_messages = 0;  ///< messages and keyframes that could not be used
+};
+
+/// Reads a bag of VINS-Mono's topics and images (sensor_msgs/Image or CompressedImage) at full
+/// speed, and hands over its keyframes exactly as the node assembles them from the same topics.
+/// Throws InputError for a bag that can't be read, or that lacks the image, keyframe_pose or
+/// keyframe_point topic.
+ReplayReport ReplayBag(const std::filesystem::path& bag,
+                       const VioTopics& topics,
+                       const KeyframeAssemblerOptions& options,
+                       const ReplayCallbacks& callbacks);
+
+}  // namespace deja_view

@@ -1,0 +1,71 @@
+#pragma once
+
+#include "deja_view/geometry/rigid3.hpp"
+#include "deja_view/pipeline/loop_closer_types.hpp"
+#include "deja_view/ros/keyframe_assembler.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include <geometry_msgs/Pose.h>
+#include <nav_msgs/Odometry.h>
+#include <sensor_msgs/CompressedImage.h>
+#include <sensor_msgs/Image.h>
+#include <sensor_msgs/PointCloud.h>
+
+/// VINS-Mono's border: the only place that knows how its messages use their fields. What comes in
+/// is checked here; all functions that take a `topic` throw InputError that names it, the value and
+/// what was expected.
+namespace deja_view {
+
+/// Pose of a message with its stamp.
+struct StampedPose {
+  std::int64_t stamp_ns = 0;
+  Rigid3 pose;
+};
+
+/// Content of `/vins_estimator/relo_relative_pose`: the VIO's own measurement of a loop that it was
+/// told of by `/pose_graph/match_points`.
+struct RelativePoseUpdate {
+  std::int64_t stamp_current_ns = 0;
+  int current = -1;           ///< index of the current keyframe, as sent in match_points
+  Rigid3 T_Bold_Bcurrent;     ///< [m]
+  double relative_yaw = 0.0;  ///< [rad], yaw of the current minus yaw of the old keyframe
+};
+
+std::int64_t ToNanoseconds(const ros::Time& stamp);
+/// Throws CheckError outside what ros::Time can hold (1970 to 2106).
+ros::Time ToRosTime(std::int64_t stamp_ns);
+
+/// All numbers finite, quaternion of norm 1 +- 0.01; the result is normalised.
+Rigid3 FromPose(const geometry_msgs::Pose& pose, const std::string& topic);
+geometry_msgs::Pose ToPose(const Rigid3& pose);
+
+StampedPose FromOdometry(const nav_msgs::Odometry& message, const std::string& topic);
+
+/// One channel per point with [x_n, y_n, u, v, feature id]. Points or pixels that are not finite
+/// are left out.
+std::vector<TrackedPoint> FromKeyframePoints(const sensor_msgs::PointCloud& message,
+                                             const std::string& topic);
+
+RelativePoseUpdate FromRelativePose(const nav_msgs::Odometry& message, const std::string& topic);
+
+/// Checks the header of an image (encoding mono8, 8UC1, rgb8, bgr8, rgba8, bgra8, mono16 or 16UC1,
+/// sizes) now, and returns what makes it grey later: CV_8UC1; 16 bits are divided by 256. Holds the
+/// message alive.
+ImageSource FromImage(const sensor_msgs::ImageConstPtr& message, const std::string& topic);
+
+/// As FromImage for JPEG or PNG; the source throws InputError when the data can't be decoded.
+ImageSource FromCompressedImage(const sensor_msgs::CompressedImageConstPtr& message,
+                                const std::string& topic);
+
+/// Grey or BGR image (CV_8UC1 or CV_8UC3) to mono8 or bgr8.
+sensor_msgs::Image ToImage(const cv::Mat& image,
+                           std::int64_t stamp_ns,
+                           const std::string& frame_id);
+
+}  // namespace deja_view

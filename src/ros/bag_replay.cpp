@@ -1,0 +1,173 @@
+#include "deja_view/ros/bag_replay.hpp"
+
+#include "deja_view/base/check.hpp"
+#include "deja_view/ros/bag_reader.hpp"
+
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace deja_view {
+namespace {
+
+class Replay {
+ public:
+  Replay(const VioTopics& topics,
+         const KeyframeAssemblerOptions& options,
+         const ReplayCallbacks& callbacks)
+      : topics_(topics),
+        callbacks_(callbacks),
+        assembler_(
+            options,
+            [this](AssembledKeyframe keyframe) { HandOver(keyframe); },
+            [this](DropReason reason, std::int64_t stamp_ns) { TellDrop(reason, stamp_ns); }) {}
+
+  ReplayReport Run(const BagReader& bag) {
+    std::int64_t total = 0;
+    for (const BagReader::Topic& topic : bag.topics()) {
+      total += handlers_.count(topic.name) > 0 ? topic.messages : 0;
+    }
+    std::vector<std::string> names;
+    for (const auto& handler : handlers_) {
+      names.push_back(handler.first);
+    }
+    bag.Read(names, [this, total](const rosbag::MessageInstance& instance) {
+      Handle(instance);
+      ++report_.messages;
+      if (callbacks_.on_progress) {
+        callbacks_.on_progress(report_.messages, total);
+      }
+    });
+    assembler_.Flush();
+    report_.assembler = assembler_.counts();
+    return report_;
+  }
+
+  void AddHandlers(const BagReader& bag) {
+    AddImageHandler(bag);
+    Require(bag, topics_.keyframe_pose, "nav_msgs/Odometry", [this](const auto& instance) {
+      const StampedPose pose = ReadOdometry(instance);
+      assembler_.AddPose(pose.stamp_ns, pose.pose);
+    });
+    Require(bag, topics_.keyframe_point, "sensor_msgs/PointCloud", [this](const auto& instance) {
+      const auto message = Instantiate<sensor_msgs::PointCloud>(instance);
+      assembler_.AddPoints(ToNanoseconds(message->header.stamp),
+                           FromKeyframePoints(*message, instance.getTopic()));
+    });
+    if (callbacks_.on_extrinsic) {
+      Want(bag, topics_.extrinsic, [this](const auto& instance) {
+        const StampedPose pose = ReadOdometry(instance);
+        assembler_.AddExtrinsic(pose.stamp_ns, pose.pose);
+      });
+    }
+    if (callbacks_.on_odometry) {
+      Want(bag, topics_.odometry, [this](const auto& instance) {
+        callbacks_.on_odometry(ReadOdometry(instance));
+      });
+    }
+    if (callbacks_.on_relative_pose) {
+      Want(bag, topics_.relo_relative_pose, [this](const auto& instance) {
+        const auto message = Instantiate<nav_msgs::Odometry>(instance);
+        callbacks_.on_relative_pose(FromRelativePose(*message, instance.getTopic()));
+      });
+    }
+  }
+
+ private:
+  using Handler = std::function<void(const rosbag::MessageInstance&)>;
+
+  static StampedPose ReadOdometry(const rosbag::MessageInstance& instance) {
+    return FromOdometry(*Instantiate<nav_msgs::Odometry>(instance), instance.getTopic());
+  }
+
+  void AddImageHandler(const BagReader& bag) {
+    bag.RequireTopic(topics_.image, {"sensor_msgs/Image", "sensor_msgs/CompressedImage"});
+    if (bag.TypeOf(topics_.image) == "sensor_msgs/Image") {
+      handlers_[topics_.image] = [this](const rosbag::MessageInstance& instance) {
+        const auto message = Instantiate<sensor_msgs::Image>(instance);
+        assembler_.AddImage(ToNanoseconds(message->header.stamp),
+                            FromImage(message, instance.getTopic()));
+      };
+    } else {
+      handlers_[topics_.image] = [this](const rosbag::MessageInstance& instance) {
+        const auto message = Instantiate<sensor_msgs::CompressedImage>(instance);
+        assembler_.AddImage(ToNanoseconds(message->header.stamp),
+                            FromCompressedImage(message, instance.getTopic()));
+      };
+    }
+  }
+
+  void Require(const BagReader& bag,
+               const std::string& topic,
+               const std::string& type,
+               Handler handler) {
+    bag.RequireTopic(topic, {type});
+    handlers_[topic] = std::move(handler);
+  }
+
+  void Want(const BagReader& bag, const std::string& topic, Handler handler) {
+    if (bag.HasTopic(topic)) {
+      Require(bag, topic, "nav_msgs/Odometry", std::move(handler));
+    }
+  }
+
+  void Handle(const rosbag::MessageInstance& instance) {
+    try {
+      handlers_.at(instance.getTopic())(instance);
+    } catch (const InputError& e) {
+      Tell(e.what());
+    }
+  }
+
+  void Tell(const std::string& what) {
+    ++report_.bad_messages;
+    if (callbacks_.on_problem) {
+      callbacks_.on_problem(what);
+    }
+  }
+
+  void TellDrop(DropReason reason, std::int64_t stamp_ns) {
+    if (callbacks_.on_problem) {
+      callbacks_.on_problem(fmt::format("message of stamp {} ns: {}", stamp_ns, ToString(reason)));
+    }
+  }
+
+  void HandOver(const AssembledKeyframe& keyframe) {
+    if (callbacks_.on_extrinsic && keyframe.T_B_C && IsNewExtrinsic(*keyframe.T_B_C)) {
+      callbacks_.on_extrinsic(*keyframe.T_B_C);
+      T_B_C_ = keyframe.T_B_C;
+    }
+    try {
+      callbacks_.on_keyframe(keyframe.ToInput());
+    } catch (const InputError& e) {
+      Tell(e.what());
+    }
+  }
+
+  bool IsNewExtrinsic(const Rigid3& T_B_C) const {
+    return !T_B_C_ || T_B_C_->t != T_B_C.t || T_B_C_->q.coeffs() != T_B_C.q.coeffs();
+  }
+
+  const VioTopics& topics_;
+  const ReplayCallbacks& callbacks_;
+  ReplayReport report_;
+  std::optional<Rigid3> T_B_C_;
+  std::map<std::string, Handler> handlers_;
+  KeyframeAssembler assembler_;
+};
+
+}  // namespace
+
+ReplayReport ReplayBag(const std::filesystem::path& bag,
+                       const VioTopics& topics,
+                       const KeyframeAssemblerOptions& options,
+                       const ReplayCallbacks& callbacks) {
+  DEJA_VIEW_CHECK(callbacks.on_keyframe);
+  const BagReader reader(bag);
+  Replay replay(topics, options, callbacks);
+  replay.AddHandlers(reader);
+  return replay.Run(reader);
+}
+
+}  // namespace deja_view
