@@ -17,8 +17,8 @@ struct WordCount {
   }
 };
 
-/// Raw counts of one image's words, sorted by word, each word once. Weights (tf, idf) are applied by the
-/// place database, so that a running idf never makes stored vectors stale.
+/// Raw counts of one image's words, sorted by word, each word once. Weights (tf, idf) are applied
+/// by the place database, so that a running idf never makes stored vectors stale.
 struct BowVector {
   std::vector<WordCount> entries;
   std::uint32_t descriptor_count = 0;  ///< all descriptors of the image, also those of stop words

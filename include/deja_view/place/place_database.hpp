@@ -1,0 +1,86 @@
+#pragma once
+
+#include "deja_view/vocabulary/bow_vector.hpp"
+#include "deja_view/vocabulary/vocabulary.hpp"
+
+#include <cstddef>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace deja_view {
+
+/// How places are compared.
+struct PlaceDatabaseOptions {
+  /// "l1": 1 - 1/2 |a/|a| - b/|b||_1 (Eq. 11); "cosine": a.b / (|a||b|) (Eq. 13). Both in [0, 1].
+  std::string score = "l1";
+  /// Where a word's idf comes from (Eq. 9): "frozen", the images that the vocabulary was trained
+  /// from, or "running", the database's own content at the time of the query.
+  std::string idf = "frozen";
+
+  /// Throws InputError that lists every value that is not allowed.
+  void Validate() const;
+
+  template <typename Visitor>
+  void Visit(Visitor& v) {
+    v("score", score);
+    v("idf", idf);
+  }
+};
+
+/// What to look for. An entry is a candidate when its id is in [min_id, max_id] and its score is at
+/// least `min_score` and above 0.
+struct PlaceQuery {
+  int max_results = 10;
+  int min_id = std::numeric_limits<int>::min();
+  int max_id = std::numeric_limits<int>::max();
+  double min_score = 0;
+};
+
+/// An entry found.
+struct PlaceMatch {
+  int id = -1;
+  int tag = 0;
+  double score = 0;
+
+  friend bool operator==(const PlaceMatch& a, const PlaceMatch& b) {
+    return a.id == b.id && a.tag == b.tag && a.score == b.score;
+  }
+};
+
+/// Inverted index from words to the places (keyframes) that show them.
+///
+/// An entry is known by (id, tag): id is the keyframe's index, tag tells several entries of one
+/// keyframe apart (0 for its real image). Exact: Query returns what Score against every entry
+/// would. Const methods may be called from several threads.
+class PlaceDatabase {
+ public:
+  /// Throws InputError for options that are not allowed.
+  PlaceDatabase(const PlaceDatabaseOptions& options, std::shared_ptr<const Vocabulary> vocabulary);
+  ~PlaceDatabase();
+  PlaceDatabase(PlaceDatabase&&) noexcept;
+  PlaceDatabase& operator=(PlaceDatabase&&) noexcept;
+
+  /// Adds an entry; (id, tag) must be new, its words in the vocabulary, sorted, each once.
+  void Add(int id, const BowVector& bow, int tag = 0);
+
+  /// Removes all entries of `id`; false when there is none.
+  bool Remove(int id);
+
+  /// The best entries, best first; of equal scores the lowest (id, tag) first.
+  std::vector<PlaceMatch> Query(const BowVector& bow, const PlaceQuery& query) const;
+
+  /// Score of two images with the weights of this moment; bit for bit what Query computes when `b`
+  /// is an entry and `a` the query. 0 when one of them has no weight at all.
+  double Score(const BowVector& a, const BowVector& b) const;
+
+  std::size_t size() const;          ///< entries
+  std::size_t memory_bytes() const;  ///< heap memory of the index, with its reserves
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace deja_view
