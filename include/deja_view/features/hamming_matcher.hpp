@@ -1,0 +1,51 @@
+#pragma once
+
+#include "deja_view/features/types.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace deja_view {
+
+/// The two nearest train descriptors of one query. An index is -1, and its distance 257, where
+/// there is none. Of equal distances the lower index comes first.
+struct HammingMatch {
+  std::int32_t best = -1;
+  std::int32_t best_distance = 257;  ///< [bit]
+  std::int32_t second = -1;
+  std::int32_t second_distance = 257;  ///< [bit], >= best_distance
+
+  friend bool operator==(const HammingMatch& a, const HammingMatch& b) {
+    return a.best == b.best && a.best_distance == b.best_distance && a.second == b.second &&
+           a.second_distance == b.second_distance;
+  }
+};
+
+/// Compares every query with every train descriptor, in one thread with the widest vectors that the
+/// CPU has; the result does not depend on which. Neighbours farther than `max_distance` are left
+/// out. One entry per query. Throws CheckError for 2^23 train descriptors or more.
+std::vector<HammingMatch> MatchHamming(const std::vector<Descriptor>& queries,
+                                       const std::vector<Descriptor>& train,
+                                       int max_distance = 256);
+
+/// As above, on memory that the caller holds; `matches` has room for `query_count` entries.
+void MatchHamming(const Descriptor* queries,
+                  std::size_t query_count,
+                  const Descriptor* train,
+                  std::size_t train_count,
+                  int max_distance,
+                  HammingMatch* matches);
+
+namespace internal {
+
+/// The plain loop that MatchHamming falls back to and is tested against.
+void MatchHammingPortable(const Descriptor* queries,
+                          std::size_t query_count,
+                          const Descriptor* train,
+                          std::size_t train_count,
+                          int max_distance,
+                          HammingMatch* matches);
+
+}  // namespace internal
+}  // namespace deja_view
