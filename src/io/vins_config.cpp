@@ -102,7 +102,7 @@ class Section {
                          const std::string& expected) const {
     const std::string found = node.IsScalar() ? node.Scalar() : "something else";
     ThrowInputError("{}: key '{}{}': expected {}, found '{}'",
-                    internal::Where(path_, node.Mark()),
+                    internal::Where(path_.string(), node.Mark()),
                     prefix_,
                     key,
                     expected,

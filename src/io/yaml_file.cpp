@@ -9,8 +9,8 @@
 
 namespace deja_view::internal {
 
-std::string Where(const std::filesystem::path& path, const YAML::Mark& mark) {
-  return mark.is_null() ? path.string() : fmt::format("{}:{}", path.string(), mark.line + 1);
+std::string Where(const std::string& path, const YAML::Mark& mark) {
+  return mark.is_null() ? path : fmt::format("{}:{}", path, mark.line + 1);
 }
 
 YAML::Node LoadYamlMap(const std::filesystem::path& path) {
@@ -23,7 +23,10 @@ YAML::Node LoadYamlMap(const std::filesystem::path& path) {
   }
   std::ostringstream buffer;
   buffer << stream.rdbuf();
-  std::string text = buffer.str();
+  return ParseYamlMap(buffer.str(), path.string());
+}
+
+YAML::Node ParseYamlMap(std::string text, const std::string& name) {
   constexpr const char* kOpenCvHeader = "%YAML:";
   if (text.compare(0, std::strlen(kOpenCvHeader), kOpenCvHeader) == 0) {
     text[0] = '#';  // keeps the line numbers
@@ -31,11 +34,11 @@ YAML::Node LoadYamlMap(const std::filesystem::path& path) {
   try {
     YAML::Node root = YAML::Load(text);
     if (!root.IsMap() && !root.IsNull()) {
-      ThrowInputError("{}: expected a map of keys at the top level", path.string());
+      ThrowInputError("{}: expected a map of keys at the top level", name);
     }
     return root;
   } catch (const YAML::Exception& e) {
-    ThrowInputError("{}: {}", Where(path, e.mark), e.msg);
+    ThrowInputError("{}: {}", Where(name, e.mark), e.msg);
   }
 }
 

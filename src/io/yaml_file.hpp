@@ -12,7 +12,10 @@ namespace deja_view::internal {
 /// the line.
 YAML::Node LoadYamlMap(const std::filesystem::path& path);
 
+/// As LoadYamlMap, from text; `name` stands for the path in errors.
+YAML::Node ParseYamlMap(std::string text, const std::string& name);
+
 /// "path:line" of a node, or the path alone where the node has no line of its own.
-std::string Where(const std::filesystem::path& path, const YAML::Mark& mark);
+std::string Where(const std::string& path, const YAML::Mark& mark);
 
 }  // namespace deja_view::internal

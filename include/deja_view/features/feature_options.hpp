@@ -1,5 +1,7 @@
 #pragma once
 
+#include "deja_view/base/enum_names.hpp"
+
 #include <string>
 #include <vector>
 
@@ -9,6 +11,12 @@ namespace deja_view {
 enum class PixelRounding {
   kNearest,   ///< nearest pixel
   kTruncate,  ///< towards zero, as VINS-Mono does: half a pixel up and left on average
+};
+
+template <>
+struct EnumNames<PixelRounding> {
+  static constexpr std::pair<PixelRounding, const char*> kNames[] = {
+      {PixelRounding::kNearest, "nearest"}, {PixelRounding::kTruncate, "truncate"}};
 };
 
 /// Options of BriefExtractor.

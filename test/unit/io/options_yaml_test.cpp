@@ -1,0 +1,218 @@
+#include "deja_view/io/options_yaml.hpp"
+
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+namespace deja_view {
+
+enum class Colour { kRed, kGreen };
+
+template <>
+struct EnumNames<Colour> {
+  static constexpr std::pair<Colour, const char*> kNames[] = {{Colour::kRed, "red"},
+                                                              {Colour::kGreen, "green"}};
+};
+
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+struct Point {
+  double x = 0;
+  double y = 0;
+  template <typename Visitor>
+  void Visit(Visitor& v) {
+    v("x", x);
+    v("y", y);
+  }
+};
+
+struct Inner {
+  bool enabled = false;
+  double gain = 0.1;
+  template <typename Visitor>
+  void Visit(Visitor& v) {
+    v("enabled", enabled);
+    v("gain", gain);
+  }
+};
+
+struct Outer {
+  int count = 3;
+  std::int64_t stamp = 9007199254740993;
+  std::uint8_t level = 7;
+  std::uint64_t seed = 42;
+  float single = 0.3F;
+  double limit = 1e300;
+  std::string name = "a \"quoted\" \\ name\n";
+  std::filesystem::path file = "/tmp/x y";
+  Colour colour = Colour::kGreen;
+  std::vector<double> radii = {0.02, 0.5};
+  std::array<int, 3> shape = {1, 2, 3};
+  std::vector<Point> points = {{1, 2}, {3, 4.5}};
+  Inner inner;
+
+  template <typename Visitor>
+  void Visit(Visitor& v) {
+    v("count", count);
+    v("stamp", stamp);
+    v("level", level);
+    v("seed", seed);
+    v("single", single);
+    v("limit", limit);
+    v("name", name);
+    v("file", file);
+    v("colour", colour);
+    v("radii", radii);
+    v("shape", shape);
+    v("points", points);
+    v("inner", inner);
+  }
+
+  std::vector<std::string> Validate() const {
+    std::vector<std::string> violations;
+    if (count < 1) {
+      violations.push_back(fmt::format("count: {}, expected at least 1", count));
+    }
+    if (!(inner.gain > 0)) {
+      violations.push_back(fmt::format("inner.gain: {}, expected more than 0", inner.gain));
+    }
+    return violations;
+  }
+};
+
+std::string ErrorOf(const std::string& text) {
+  Outer options;
+  options.count = 77;
+  try {
+    ParseOptions(text, "file.yaml", &options);
+  } catch (const InputError& e) {
+    EXPECT_EQ(options.count, 77) << "options changed by a bad file";
+    return e.what();
+  }
+  return "no error";
+}
+
+TEST(OptionsYaml, SetsWhatTheFileNames) {
+  Outer options;
+  options.level = 9;
+  ParseOptions("count: 5\ncolour: red\nname: plain text\ninner:\n  enabled: true\n", "f", &options);
+  EXPECT_EQ(options.count, 5);
+  EXPECT_EQ(options.colour, Colour::kRed);
+  EXPECT_EQ(options.name, "plain text");
+  EXPECT_TRUE(options.inner.enabled);
+  EXPECT_EQ(options.inner.gain, 0.1);
+  EXPECT_EQ(options.level, 9);
+}
+
+TEST(OptionsYaml, WritesWhatItReads) {
+  Outer options;
+  options.limit = std::numeric_limits<double>::infinity();
+  options.inner.gain = 1.0 / 3.0;
+  options.single = 16777217.0F / 3.0F;
+  options.radii.clear();
+  const std::string text = OptionsToYaml(options);
+  Outer read;
+  ParseOptions(text, "f", &read);
+  EXPECT_EQ(OptionsToYaml(read), text);
+  EXPECT_EQ(read.name, options.name);
+  EXPECT_EQ(read.file, options.file);
+  EXPECT_EQ(read.stamp, options.stamp);
+  EXPECT_EQ(read.inner.gain, options.inner.gain);
+  EXPECT_EQ(read.single, options.single);
+  EXPECT_EQ(read.limit, options.limit);
+  EXPECT_EQ(read.points[1].y, 4.5);
+  EXPECT_TRUE(read.radii.empty());
+}
+
+TEST(OptionsYaml, HashTellsOptionsApart) {
+  Outer options;
+  const std::uint64_t hash = HashOptions(options);
+  EXPECT_EQ(HashOptions(Outer{}), hash);
+  options.points[1].y = 4.5000000001;
+  EXPECT_NE(HashOptions(options), hash);
+  EXPECT_EQ(HashText(""), 0xCBF29CE484222325U);  // of the FNV-1a reference
+  EXPECT_EQ(HashText("foobar"), 0x85944171F73967E8U);
+}
+
+TEST(OptionsYaml, UnknownKeysSuggestTheNearest) {
+  EXPECT_THAT(ErrorOf("count: 1\nradius: [1]\n"),
+              HasSubstr("file.yaml:2: unknown key 'radius'; did you mean 'radii'?"));
+  EXPECT_THAT(ErrorOf("inner:\n  enabeld: true\n"),
+              HasSubstr("file.yaml:2: unknown key 'inner.enabeld'; did you mean 'inner.enabled'?"));
+}
+
+TEST(OptionsYaml, WrongValuesNameKeyAndExpectation) {
+  EXPECT_THAT(ErrorOf("count: 2.5\n"),
+              HasSubstr("file.yaml:1: key 'count': expected an integer, found '2.5'"));
+  EXPECT_THAT(ErrorOf("count: \"2\"\n"), HasSubstr("expected an integer, found \"2\""));
+  EXPECT_THAT(ErrorOf("count: 3000000000\n"), HasSubstr("from -2147483648 to 2147483647"));
+  EXPECT_THAT(ErrorOf("level: 256\n"), HasSubstr("from 0 to 255"));
+  EXPECT_THAT(ErrorOf("seed: -1\n"), HasSubstr("an integer from 0"));
+  EXPECT_THAT(ErrorOf("single: 1e60\n"), HasSubstr("expected a number"));
+  EXPECT_THAT(ErrorOf("limit: .nan\n"), HasSubstr("expected a number"));
+  EXPECT_THAT(ErrorOf("limit: 1,5\n"), HasSubstr("expected a number"));
+  EXPECT_THAT(ErrorOf("limit: [1]\n"), HasSubstr("expected a number, found a list"));
+  EXPECT_THAT(ErrorOf("limit:\n"), HasSubstr("expected a number, found nothing"));
+  EXPECT_THAT(ErrorOf("name: {a: 1}\n"), HasSubstr("expected text, found a map"));
+  EXPECT_THAT(ErrorOf("colour: blue\n"), HasSubstr("expected one of red, green, found 'blue'"));
+  EXPECT_THAT(ErrorOf("radii: 3\n"), HasSubstr("expected a list"));
+  EXPECT_THAT(ErrorOf("radii: [1, x]\n"), HasSubstr("key 'radii[1]': expected a number"));
+  EXPECT_THAT(ErrorOf("shape: [1, 2]\n"), HasSubstr("expected a list of 3 values"));
+  EXPECT_THAT(ErrorOf("points: [{x: 1, z: 2}]\n"), HasSubstr("unknown key 'points[0].z'"));
+  EXPECT_THAT(ErrorOf("inner: 4\n"), HasSubstr("expected a map of keys"));
+  EXPECT_THAT(ErrorOf("inner:\n  enabled: 1\n"),
+              HasSubstr("file.yaml:2: key 'inner.enabled': expected true or false, found '1'"));
+}
+
+TEST(OptionsYaml, AllErrorsComeAtOnce) {
+  EXPECT_THAT(ErrorOf("count: x\nfoo: 1\ninner:\n  gain: y\n"),
+              AllOf(HasSubstr("'count'"), HasSubstr("'foo'"), HasSubstr("'inner.gain'")));
+  EXPECT_THAT(ErrorOf("count: 0\ninner: {gain: -1}\n"),
+              AllOf(HasSubstr("file.yaml: count: 0"), HasSubstr("inner.gain: -1")));
+}
+
+TEST(OptionsYaml, BadDocumentsAreRefused) {
+  EXPECT_THAT(ErrorOf("count: 1\ncount: 2\n"), HasSubstr("file.yaml:2: key 'count' appears twice"));
+  EXPECT_THAT(ErrorOf("count: [1\n"), HasSubstr("file.yaml"));
+  EXPECT_THAT(ErrorOf("- 1\n"), HasSubstr("expected a map"));
+  EXPECT_THAT(ErrorOf("[a]: 1\n"), HasSubstr("plain word"));
+  EXPECT_THAT(ErrorOf("radii: &a [*a]\n"), HasSubstr("file.yaml"));
+  EXPECT_EQ(ErrorOf(""), "no error");
+  EXPECT_EQ(ErrorOf("inner:\n"), "no error");
+}
+
+TEST(OptionsYaml, ReadsFiles) {
+  const std::filesystem::path path = std::filesystem::temp_directory_path() /
+                                     ("deja_view_options_" + std::to_string(::getpid()) + ".yaml");
+  std::ofstream(path) << "%YAML:1.0\ncount: 12\ninner: {gain: 2}\n";
+  const auto options = ReadOptions<Outer>(path);
+  EXPECT_EQ(options.count, 12);
+  EXPECT_EQ(options.inner.gain, 2.0);
+  EXPECT_EQ(options.level, 7);
+  std::filesystem::remove(path);
+  EXPECT_THROW(ReadOptions<Outer>(path), InputError);
+}
+
+TEST(OptionsYaml, OverridesOneField) {
+  Outer options;
+  OverrideOption("inner.gain=2.5", &options);
+  OverrideOption("radii=[1, 2, 3]", &options);
+  OverrideOption("name=two words", &options);
+  EXPECT_EQ(options.inner.gain, 2.5);
+  EXPECT_EQ(options.radii.size(), 3U);
+  EXPECT_EQ(options.name, "two words");
+  EXPECT_EQ(options.count, 3);
+  EXPECT_THROW(OverrideOption("inner.gian=1", &options), InputError);
+  EXPECT_THROW(OverrideOption("inner", &options), InputError);
+  EXPECT_THROW(OverrideOption("=1", &options), InputError);
+  EXPECT_THROW(OverrideOption("count=", &options), InputError);
+  EXPECT_THROW(OverrideOption(".count=1", &options), InputError);
+}
+
+}  // namespace
+}  // namespace deja_view
