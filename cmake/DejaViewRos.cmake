@@ -16,6 +16,9 @@ if(NOT DEFINED CATKIN_ENABLE_TESTING)
   set(CATKIN_ENABLE_TESTING OFF CACHE BOOL "catkin's own test targets")
 endif()
 
+# Bags need no roscpp, and a tool that reads them shall not load it.
+find_package(catkin REQUIRED COMPONENTS cpp_common rosbag_storage roscpp_serialization rostime)
+set(DEJA_VIEW_BAG_LIBRARIES ${catkin_LIBRARIES})
 find_package(catkin REQUIRED COMPONENTS
   diagnostic_msgs diagnostic_updater geometry_msgs message_generation nav_msgs rosbag_storage roscpp
   sensor_msgs std_msgs tf2_ros visualization_msgs)

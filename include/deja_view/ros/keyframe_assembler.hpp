@@ -94,8 +94,8 @@ struct AssemblerCounts {
 /// the same keyframes. Pose stamps that go back are taken for a restart of the VIO when two come in
 /// a row; a single one is dropped. Images that are no keyframe's are dropped without being decoded.
 ///
-/// Stamps match when they are equal as double seconds: VINS-Mono computes with those, so that the
-/// stamps it sends are rounded by up to 120 ns.
+/// Stamps match when they are equal as double seconds: VIOs compute with those, so that the stamps
+/// they send may be rounded by up to 120 ns.
 ///
 /// Not thread-safe.
 class KeyframeAssembler {
