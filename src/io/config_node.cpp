@@ -4,12 +4,10 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <limits>
-#include <locale>
 #include <numeric>
-#include <sstream>
 
+#include "parse_number.hpp"
 #include "yaml_file.hpp"
 
 namespace deja_view {
@@ -83,17 +81,7 @@ std::optional<T> ParseReal(const ConfigNode& node) {
   if (node.scalar == "-.inf") {
     return -std::numeric_limits<T>::infinity();
   }
-  // No std::from_chars: older standard libraries have it for integers only. No leading blank or
-  // trailing text; hexadecimal, "inf" and "nan" are refused.
-  if (node.scalar.find_first_not_of("0123456789+-.eE") != std::string::npos) {
-    return std::nullopt;
-  }
-  std::istringstream stream(node.scalar);
-  stream.imbue(std::locale::classic());
-  T value{};
-  stream >> value;
-  const bool is_number = !stream.fail() && stream.peek() == std::istringstream::traits_type::eof();
-  return is_number && std::isfinite(value) ? std::make_optional(value) : std::nullopt;
+  return internal::ParseNumber<T>(node.scalar);
 }
 
 }  // namespace
