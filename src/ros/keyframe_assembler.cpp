@@ -30,21 +30,21 @@ bool FollowsWithinStretch(std::int64_t later, std::int64_t earlier) {
 
 }  // namespace
 
-void KeyframeAssemblerOptions::Validate() const {
-  std::string violations;
-  const auto require = [&violations](bool holds, const char* text) {
+std::vector<std::string> KeyframeAssemblerOptions::Validate() const {
+  std::vector<std::string> violations;
+  const auto require = [&violations](bool holds, const char* key, auto value, const char* range) {
     if (!holds) {
-      violations += (violations.empty() ? "" : "; ") + std::string(text);
+      violations.push_back(fmt::format("{}: {}: expected {}", key, value, range));
     }
   };
-  require(max_images >= 1, "max_images: expected at least 1");
-  require(image_window_s > 0 && image_window_s <= 3600, "image_window_s: expected 0 to 3600");
-  require(max_pending >= 1, "max_pending: expected at least 1");
-  require(timeout_s > 0 && timeout_s <= 3600, "timeout_s: expected 0 to 3600");
-  require(later_messages >= 1, "later_messages: expected at least 1");
-  if (!violations.empty()) {
-    throw InputError(violations);
-  }
+  const auto is_duration = [](double seconds) { return seconds > 0 && seconds <= 3600; };
+  require(max_images >= 1, "max_images", max_images, "at least 1");
+  require(is_duration(image_window_s), "image_window_s", image_window_s, "0 to 3600 s");
+  require(max_pending >= 1, "max_pending", max_pending, "at least 1");
+  require(is_duration(timeout_s), "timeout_s", timeout_s, "0 to 3600 s");
+  require(later_messages >= 1, "later_messages", later_messages, "at least 1");
+  require(is_duration(sequence_gap_s), "sequence_gap_s", sequence_gap_s, "0 to 3600 s");
+  return violations;
 }
 
 KeyframeInput AssembledKeyframe::ToInput() const {
@@ -53,6 +53,7 @@ KeyframeInput AssembledKeyframe::ToInput() const {
   input.T_W_B = T_W_B;
   input.image = image();
   input.points = points;
+  input.starts_sequence = starts_sequence;
   return input;
 }
 
@@ -78,7 +79,9 @@ KeyframeAssembler::KeyframeAssembler(const KeyframeAssemblerOptions& options,
                                      KeyframeCallback on_keyframe,
                                      DropCallback on_drop)
     : options_(options), on_keyframe_(std::move(on_keyframe)), on_drop_(std::move(on_drop)) {
-  options_.Validate();
+  if (const auto violations = options_.Validate(); !violations.empty()) {
+    ThrowInputError("{}", fmt::join(violations, "; "));
+  }
   DEJA_VIEW_CHECK(on_keyframe_);
 }
 
@@ -95,8 +98,8 @@ void KeyframeAssembler::AddImage(std::int64_t stamp_ns, ImageSource image) {
   DEJA_VIEW_CHECK(image);
   ++counts_.images;
   const std::int64_t key = Key(stamp_ns);
-  const std::int64_t horizon = std::min(key, last_image_key_.value_or(key));
-  last_image_key_ = key;
+  const std::int64_t horizon = image_keys_.empty() ? key : std::min(key, image_keys_.back());
+  NoteImageStamp(key);
   const bool is_held =
       std::any_of(images_.begin(), images_.end(), [key](const auto& i) { return i.key == key; });
   Pending* owner = FindPending(key);
@@ -184,6 +187,7 @@ void KeyframeAssembler::AddPose(std::int64_t stamp_ns, const Rigid3& T_W_B) {
   if (confirms) {
     ResolveAll();
     pose_keys_.clear();
+    suspect_->starts_sequence = true;
     Push(std::move(*suspect_));
     suspect_.reset();
   }
@@ -255,6 +259,25 @@ KeyframeAssembler::Pending* KeyframeAssembler::FindPending(std::int64_t key) {
   return nullptr;
 }
 
+// A pause counts against the newer of the last two images, and is forgotten when the stamps go back
+// below it: a stray stamp makes no pause.
+void KeyframeAssembler::NoteImageStamp(std::int64_t key) {
+  pauses_.erase(
+      std::remove_if(
+          pauses_.begin(), pauses_.end(), [key](std::int64_t pause) { return pause > key; }),
+      pauses_.end());
+  if (!image_keys_.empty()) {
+    const std::int64_t before = *std::max_element(image_keys_.begin(), image_keys_.end());
+    if (key - before > ToNanoseconds(options_.sequence_gap_s)) {
+      pauses_.push_back(key);
+    }
+  }
+  image_keys_.push_back(key);
+  if (image_keys_.size() > 2) {
+    image_keys_.pop_front();
+  }
+}
+
 void KeyframeAssembler::Push(Pending pending) {
   const auto has_key = [&pending](const auto& held) { return held.key == pending.key; };
   if (const auto image = std::find_if(images_.begin(), images_.end(), has_key);
@@ -304,6 +327,7 @@ void KeyframeAssembler::Settle() {
 }
 
 void KeyframeAssembler::Resolve(Pending pending) {
+  starts_sequence_ = starts_sequence_ || pending.starts_sequence;
   if (!pending.image) {
     Drop(DropReason::kMissingImage, pending.stamp_ns);
     return;
@@ -313,7 +337,12 @@ void KeyframeAssembler::Resolve(Pending pending) {
     pending.points.emplace();
   }
   ++counts_.keyframes;
+  while (!pauses_.empty() && pauses_.front() <= pending.key) {
+    starts_sequence_ = true;
+    pauses_.pop_front();
+  }
   AssembledKeyframe keyframe;
+  keyframe.starts_sequence = std::exchange(starts_sequence_, false);
   keyframe.stamp_ns = pending.stamp_ns;
   keyframe.T_W_B = pending.T_W_B;
   keyframe.image = std::move(pending.image);

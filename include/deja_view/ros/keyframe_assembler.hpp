@@ -29,9 +29,12 @@ struct KeyframeAssemblerOptions {
   /// So many later messages of one topic prove that a missing one of that topic will not come; one
   /// stray stamp proves nothing.
   int later_messages = 2;
+  /// A longer pause of the image stream means that the VIO may have moved unseen: a new sequence
+  /// [s].
+  double sequence_gap_s = 1.0;
 
-  /// Throws InputError that lists all violations.
-  void Validate() const;
+  /// All violations, each with its key; empty when all is well.
+  std::vector<std::string> Validate() const;
 
   template <typename Visitor>
   void Visit(Visitor& v) {
@@ -40,6 +43,7 @@ struct KeyframeAssemblerOptions {
     v("max_pending", max_pending);
     v("timeout_s", timeout_s);
     v("later_messages", later_messages);
+    v("sequence_gap_s", sequence_gap_s);
   }
 };
 
@@ -50,6 +54,7 @@ using ImageSource = std::function<cv::Mat()>;
 struct AssembledKeyframe {
   std::int64_t stamp_ns = 0;         ///< as in the pose message
   Rigid3 T_W_B;                      ///< body pose in the VIO's world
+  bool starts_sequence = false;      ///< after a pause of the image stream or a restart of the VIO
   ImageSource image;                 ///< never empty
   std::vector<TrackedPoint> points;  ///< empty when the point message is missing
   std::optional<Rigid3> T_B_C;       ///< newest calibration up to this keyframe's stamp, if any
@@ -103,7 +108,7 @@ class KeyframeAssembler {
   using KeyframeCallback = std::function<void(AssembledKeyframe)>;
   using DropCallback = std::function<void(DropReason reason, std::int64_t stamp_ns)>;
 
-  /// Throws InputError for bad options. `on_drop` may be empty.
+  /// Throws InputError, with all violations, for bad options. `on_drop` may be empty.
   KeyframeAssembler(const KeyframeAssemblerOptions& options,
                     KeyframeCallback on_keyframe,
                     DropCallback on_drop);
@@ -131,6 +136,7 @@ class KeyframeAssembler {
     std::int64_t key = 0;
     std::int64_t stamp_ns = 0;
     Rigid3 T_W_B;
+    bool starts_sequence = false;
     ImageSource image;
     std::optional<std::vector<TrackedPoint>> points;
     int later_images = 0;  ///< messages after this pose with later stamps
@@ -142,6 +148,7 @@ class KeyframeAssembler {
   bool IsKnown(std::int64_t key) const;
   bool IsHopeless(std::int64_t key) const;
   Pending* FindPending(std::int64_t key);
+  void NoteImageStamp(std::int64_t key);
   void Push(Pending pending);
   void Settle();
   void Resolve(Pending pending);
@@ -159,9 +166,11 @@ class KeyframeAssembler {
   std::deque<Stamped<std::vector<TrackedPoint>>> points_;
   std::deque<Stamped<Rigid3>> extrinsics_;
   std::deque<Pending> pending_;
-  std::optional<Pending> suspect_;      ///< pose whose stamp went back
-  std::deque<std::int64_t> pose_keys_;  ///< newest accepted poses
-  std::optional<std::int64_t> last_image_key_;
+  std::optional<Pending> suspect_;       ///< pose whose stamp went back
+  std::deque<std::int64_t> pose_keys_;   ///< newest accepted poses
+  std::deque<std::int64_t> image_keys_;  ///< last two images that came
+  std::deque<std::int64_t> pauses_;      ///< first images after a pause
+  bool starts_sequence_ = false;  ///< a keyframe that starts a sequence was lost: the next one does
 };
 
 }  // namespace deja_view

@@ -36,6 +36,7 @@ class KeyframeAssemblerTest : public ::testing::Test {
     output_.clear();
     drops_.clear();
     extrinsics_.clear();
+    sequence_starts_.clear();
     decoded_ = 0;
     assembler_ = KeyframeAssembler(
         options,
@@ -43,6 +44,9 @@ class KeyframeAssemblerTest : public ::testing::Test {
           const KeyframeInput input = keyframe.ToInput();
           EXPECT_EQ(input.image.rows, 2);
           output_.emplace_back(Offset(keyframe.stamp_ns), static_cast<int>(keyframe.points.size()));
+          if (keyframe.starts_sequence) {
+            sequence_starts_.push_back(Offset(keyframe.stamp_ns));
+          }
           extrinsics_.push_back(keyframe.T_B_C ? keyframe.T_B_C->t.x() : -1.0);
         },
         [this](DropReason reason, std::int64_t stamp_ns) {
@@ -73,6 +77,7 @@ class KeyframeAssemblerTest : public ::testing::Test {
   Output output_;
   std::vector<std::pair<DropReason, int>> drops_;
   std::vector<double> extrinsics_;
+  std::vector<int> sequence_starts_;
   int decoded_ = 0;
   KeyframeAssembler assembler_{{}, [](const AssembledKeyframe&) {}, nullptr};
 };
@@ -197,6 +202,52 @@ TEST_F(KeyframeAssemblerTest, TwoPosesBackInARowAreARestart) {
   EXPECT_EQ(output_[8].first, 500800);
   EXPECT_EQ(output_[9].first, 0);
   EXPECT_THAT(drops_, IsEmpty());
+  EXPECT_THAT(sequence_starts_, ElementsAre(0));
+}
+
+TEST_F(KeyframeAssemblerTest, APauseOfTheImagesStartsASequence) {
+  Reset({});
+  for (const int ms : {0, 900, 1800, 2801, 2850}) {
+    Keyframe(ms);
+  }
+  EXPECT_THAT(sequence_starts_, ElementsAre(2801));
+}
+
+TEST_F(KeyframeAssemblerTest, KeyframesFarApartOfACloseImageStreamDoNot) {
+  Reset({});
+  for (int ms = 0; ms <= 6000; ms += 100) {
+    Image(ms);
+    if (ms % 3000 == 0) {
+      Pose(ms);
+      Points(ms);
+    }
+  }
+  EXPECT_EQ(output_.size(), 3U);
+  EXPECT_THAT(sequence_starts_, IsEmpty());
+}
+
+TEST_F(KeyframeAssemblerTest, AStrayImageStampStartsNoSequence) {
+  for (const int stray : {-400000, 5000}) {
+    Reset({});
+    for (int ms = 0; ms <= 9000; ms += 100) {
+      Keyframe(ms);
+      if (ms == 200) {
+        Image(stray);
+      }
+    }
+    EXPECT_EQ(output_.size(), 91U);
+    EXPECT_THAT(sequence_starts_, IsEmpty()) << stray;
+  }
+}
+
+TEST_F(KeyframeAssemblerTest, TheNextKeyframeStartsTheSequenceWhenItsFirstOneIsLost) {
+  Reset({});
+  Keyframe(0);
+  Image(3000);
+  Pose(3100);  // its image is lost
+  Keyframe(3200);
+  Keyframe(3300);
+  EXPECT_THAT(sequence_starts_, ElementsAre(3200));
 }
 
 TEST_F(KeyframeAssemblerTest, DropsDuplicates) {
@@ -330,16 +381,14 @@ TEST_F(KeyframeAssemblerTest, OutputDoesNotDependOnHowTopicsInterleave) {
 }
 
 TEST(KeyframeAssemblerOptionsTest, ListsAllViolations) {
+  EXPECT_THAT(KeyframeAssemblerOptions().Validate(), IsEmpty());
   KeyframeAssemblerOptions options;
   options.max_images = 0;
   options.timeout_s = -1;
-  try {
-    options.Validate();
-    FAIL() << "no exception";
-  } catch (const InputError& e) {
-    EXPECT_THAT(e.what(), HasSubstr("max_images"));
-    EXPECT_THAT(e.what(), HasSubstr("timeout_s"));
-  }
+  EXPECT_THAT(options.Validate(), ElementsAre(HasSubstr("max_images"), HasSubstr("timeout_s")));
+  EXPECT_THROW(KeyframeAssembler(
+                   options, [](const AssembledKeyframe&) {}, nullptr),
+               InputError);
 }
 
 }  // namespace
