@@ -22,6 +22,9 @@ class Progress {
   /// Writes to standard error, as a terminal if it is one.
   Progress(std::string label, std::string unit, std::size_t total);
 
+  /// For a total that is known only once the work has begun.
+  void SetTotal(std::size_t total) { total_ = total; }
+
   /// Draws when enough time has passed since the last draw. `note` is appended ("PSNR 24.1 dB").
   void Update(std::size_t done, const std::string& note = "");
   /// Draws the final state and ends the line.

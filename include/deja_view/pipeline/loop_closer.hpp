@@ -8,7 +8,8 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <map>
+#include <functional>
+#include <future>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -25,7 +26,8 @@ struct RelocalisationPoint {
 /// The best accepted loop of a keyframe, for `/pose_graph/match_points`.
 struct Relocalisation {
   int old = -1;     ///< index of the old keyframe
-  Rigid3 T_W_Bold;  ///< old body in the *current* VIO world's estimate, as VINS-Mono expects it
+  Rigid3 T_M_Bold;  ///< corrected pose of the old body; VINS-Mono takes it for the pose in its
+                    ///< loop-closed world
   std::vector<RelocalisationPoint> points;
 };
 
@@ -59,6 +61,10 @@ struct KeyframeInfo {
   Rigid3 T_M_B;  ///< corrected by the pose graph
 };
 
+/// Runs a graph solve somewhere (the node: on its solver thread) and returns how to wait for its
+/// end.
+using SolveExecutor = std::function<std::future<void>(std::function<void()>)>;
+
 /// Loop closing over a stream of keyframes: features, words, candidates, verification, pose graph.
 ///
 /// Synchronous, deterministic and without threads of its own: the same keyframes in the same order
@@ -66,12 +72,14 @@ struct KeyframeInfo {
 /// be moved out of the keyframe's way: see TakeSolve.
 class LoopCloser {
  public:
-  /// Throws InputError when the vocabulary was made for another descriptor than the options ask
+  /// `executor` may be empty: graphs are then solved in the caller's thread. Throws InputError for
+  /// options that are not valid or a vocabulary made for another descriptor than the options ask
   /// for.
   LoopCloser(const LoopCloserOptions& options,
              std::shared_ptr<const Camera> camera,
              const Rigid3& T_B_C,
-             std::shared_ptr<const Vocabulary> vocabulary);
+             std::shared_ptr<const Vocabulary> vocabulary,
+             SolveExecutor executor = {});
   ~LoopCloser();
   LoopCloser(LoopCloser&&) noexcept;
   LoopCloser& operator=(LoopCloser&&) noexcept;
@@ -81,14 +89,14 @@ class LoopCloser {
 
   /// Adds a keyframe, looks for loops and feeds the graph. Throws InputError, and leaves everything
   /// as it was, for a keyframe that can't be used: image of another size or type, pose not finite.
-  /// Points that are not finite are left out. A stamp that goes back, or jumps ahead by more than
-  /// `options.sequence_gap_s`, starts a new sequence.
+  /// Points that are not finite are left out. A new sequence starts with `starts_sequence`, with a
+  /// stamp that goes back, and with a jump of the pose that no drone can fly.
   KeyframeReport AddKeyframe(const KeyframeInput& input);
 
-  /// The VIO's own measurement after fast relocalisation: pose of the keyframe `current` relative
-  /// to the keyframe `old` (its index as handed out in Relocalisation), refined over the window.
-  /// Ignored, with false, for unknown indices or a pose far from the loop's.
-  bool UpdateLoop(int old, std::int64_t stamp_current_ns, const Rigid3& T_Bold_Bcurrent);
+  /// The VIO's own measurement after fast relocalisation: pose of keyframe `current` relative to
+  /// the old keyframe of its newest loop, refined over the VIO's window. Ignored, with false, when
+  /// that keyframe has no loop or the pose is far from the loop's.
+  bool UpdateLoop(int current, const Rigid3& T_Bold_Bcurrent);
 
   /// Solves the graph to convergence over everything added so far; call at the end of a flight.
   void OptimizeFully();
@@ -96,6 +104,12 @@ class LoopCloser {
   int keyframe_count() const;
   KeyframeInfo keyframe(int index) const;
   int sequence_count() const;
+  /// True when loops tie the sequence to the map's first one: its corrected poses are in frame M.
+  bool is_joined(int sequence) const;
+  /// Keyframes that can be recognised (all, or those that map_spacing_m left).
+  int place_count() const;
+  /// Heap memory [bytes] of keyframes and index.
+  std::size_t memory_bytes() const;
 
   /// T_M_W of the current sequence: corrects the newest VIO poses. Four degrees of freedom.
   Rigid3 drift() const;

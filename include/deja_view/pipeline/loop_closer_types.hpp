@@ -1,10 +1,9 @@
 #pragma once
 
 #include "deja_view/geometry/rigid3.hpp"
+#include "deja_view/verification/reject_reason.hpp"
 
 #include <cstdint>
-#include <optional>
-#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -29,26 +28,9 @@ struct KeyframeInput {
   Rigid3 T_W_B;                      ///< body pose in the VIO's (drifting) world
   cv::Mat image;                     ///< CV_8UC1, the camera's size
   std::vector<TrackedPoint> points;  ///< may be empty
+  /// The image stream paused for long or the VIO started anew since the keyframe before.
+  bool starts_sequence = false;
 };
-
-/// Why a loop candidate, or a keyframe, did not lead to a loop constraint.
-enum class RejectReason {
-  kNone,           ///< accepted
-  kNoCandidate,    ///< the database found nothing similar enough
-  kTooFewPoints,   ///< the keyframe brings too few tracked points to solve a pose
-  kTooFewMatches,  ///< descriptor matches
-  kTooFewInliers,  ///< of the robust pose
-  kLowInlierRatio,
-  kPoorSpread,  ///< inliers crowd in one part of the image
-  kTooFar,      ///< distance between the two cameras
-  kTooMuchYaw,
-  kGravity,       ///< roll or pitch disagree with the VIO's
-  kUncertain,     ///< covariance of the pose too large
-  kInconsistent,  ///< not in a pairwise consistent set with the other loops (pending or refused)
-};
-
-/// "accepted" for kNone, else the reason in snake_case, as in loops.csv and the diagnostics.
-std::string ToString(RejectReason reason);
 
 /// A verified candidate pair, accepted or not.
 struct LoopReport {

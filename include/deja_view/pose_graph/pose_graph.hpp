@@ -101,6 +101,8 @@ class PoseGraph {
   Rigid3 Correction(int node) const;
   /// True when a chain of loops ties the sequence to the anchor.
   bool IsAnchored(int sequence) const;
+  /// True when a chain of loops ties the two sequences to each other.
+  bool AreJoined(int a, int b) const { return Group(a) == Group(b); }
   /// Root-information-weighted squared error of a loop at the present state (chi-squared, 4
   /// degrees).
   double SquaredError(const PoseGraphLoop& loop) const;

@@ -1,0 +1,98 @@
+#pragma once
+
+#include "deja_view/features/feature_options.hpp"
+#include "deja_view/place/place_database.hpp"
+#include "deja_view/pose_graph/loop_consistency.hpp"
+#include "deja_view/pose_graph/pose_graph.hpp"
+#include "deja_view/verification/loop_verifier.hpp"
+
+#include <string>
+#include <vector>
+
+namespace deja_view {
+
+/// Which keyframes are tried against the current one.
+struct CandidateOptions {
+  double min_age_s = 10.0;     ///< [s] an old keyframe of the same sequence must be older than this
+  int retrieved = 20;          ///< entries asked from the place database
+  double min_score = 0.0;      ///< place score below which an entry is not tried
+  double island_gap_s = 1.5;   ///< [s] retrieved keyframes closer than this form one island
+  int members_per_island = 2;  ///< best members of an island that are verified
+  int max_verified = 5;        ///< candidates verified per keyframe at most
+  // Where the corrected trajectory says that the drone has been.
+  int nearby = 3;                  ///< keyframes near the corrected pose that are tried, 0: none
+  double nearby_distance_m = 3.0;  ///< [m]
+  double nearby_angle_deg = 45.0;  ///< [deg] between the cameras' axes
+
+  template <typename Visitor>
+  void Visit(Visitor& v) {
+    v("min_age_s", min_age_s);
+    v("retrieved", retrieved);
+    v("min_score", min_score);
+    v("island_gap_s", island_gap_s);
+    v("members_per_island", members_per_island);
+    v("max_verified", max_verified);
+    v("nearby", nearby);
+    v("nearby_distance_m", nearby_distance_m);
+    v("nearby_angle_deg", nearby_angle_deg);
+  }
+};
+
+/// When the pose graph is solved.
+struct SolveOptions {
+  int every_loops = 20;  ///< accepted loops after which the graph is solved
+  double surprise =
+      4.0;          ///< [sigma] a loop that disagrees more with the present state: solved at once
+  int latency = 2;  ///< keyframes until a solution is taken over...
+  int nodes_per_latency =
+      300;             ///< ...and one more per so many nodes, so that it never has to be waited for
+  bool at_end = true;  ///< OptimizeFully solves to convergence
+
+  template <typename Visitor>
+  void Visit(Visitor& v) {
+    v("every_loops", every_loops);
+    v("surprise", surprise);
+    v("latency", latency);
+    v("nodes_per_latency", nodes_per_latency);
+    v("at_end", at_end);
+  }
+};
+
+/// Everything that LoopCloser can be told; `Validate` lists all violations at once.
+struct LoopCloserOptions {
+  BriefOptions features;
+  PlaceDatabaseOptions place;
+  CandidateOptions candidates;
+  LoopVerifierOptions verification;
+  LoopConsistencyOptions consistency;
+  PoseGraphOptions pose_graph;
+  SolveOptions solve;
+  /// A keyframe becomes a place to recognise only when the map has none within this distance and
+  /// angle; 0: every keyframe does.
+  double map_spacing_m = 0.0;
+  double map_spacing_deg = 30.0;
+  double max_speed_mps =
+      40.0;  ///< [m/s] a faster jump between keyframes means that the VIO started anew
+  double max_point_error_px =
+      4.0;  ///< tracked points that miss their own pixel by more are left out
+  double max_point_depth_m = 60.0;  ///< [m]
+
+  template <typename Visitor>
+  void Visit(Visitor& v) {
+    v("features", features);
+    v("place", place);
+    v("candidates", candidates);
+    v("verification", verification);
+    v("consistency", consistency);
+    v("pose_graph", pose_graph);
+    v("solve", solve);
+    v("map_spacing_m", map_spacing_m);
+    v("map_spacing_deg", map_spacing_deg);
+    v("max_speed_mps", max_speed_mps);
+    v("max_point_error_px", max_point_error_px);
+    v("max_point_depth_m", max_point_depth_m);
+  }
+  std::vector<std::string> Validate() const;
+};
+
+}  // namespace deja_view

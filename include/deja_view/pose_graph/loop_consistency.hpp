@@ -1,0 +1,82 @@
+#pragma once
+
+#include "deja_view/pose_graph/pose_graph.hpp"
+
+#include <string>
+#include <vector>
+
+namespace deja_view {
+
+struct LoopConsistencyOptions {
+  int min_support = 2;  ///< other loops that must agree before one is believed
+  int min_support_join =
+      4;  ///< the same for the loops that join two worlds, where nothing else can object
+  double max_support_ratio = 0.34;  ///< contradicting over agreeing loops
+  int window = 60;                  ///< newest verified loops that a new one is compared with
+  double max_path_m = 15.0;         ///< [m] of odometry on either side between two compared loops
+  double max_sigmas = 3.5;          ///< of the difference, per axis and yaw
+  // Drift that a single loop may claim against the corrected trajectory.
+  double plausible_m = 0.6;              ///< [m] always
+  double plausible_m_per_m = 0.03;       ///< [m] more per metre flown since the last loop
+  double plausible_yaw_deg = 4.0;        ///< [deg] always
+  double plausible_yaw_deg_per_m = 0.3;  ///< [deg] more per metre flown since the last loop
+  int override_support = 12;  ///< so many agreeing loops overrule plausibility (the VIO has failed)
+
+  template <typename Visitor>
+  void Visit(Visitor& v) {
+    v("min_support", min_support);
+    v("min_support_join", min_support_join);
+    v("max_support_ratio", max_support_ratio);
+    v("window", window);
+    v("max_path_m", max_path_m);
+    v("max_sigmas", max_sigmas);
+    v("plausible_m", plausible_m);
+    v("plausible_m_per_m", plausible_m_per_m);
+    v("plausible_yaw_deg", plausible_yaw_deg);
+    v("plausible_yaw_deg_per_m", plausible_yaw_deg_per_m);
+    v("override_support", override_support);
+  }
+  std::vector<std::string> Validate() const;
+};
+
+/// Believes a verified loop only when other loops agree with it: two loops and the odometry between
+/// their ends form a cycle that must close within its noise (pairwise consistency; Mangelson et
+/// al., PCM, ICRA 2018). A loop waits until enough others agree; it then enters the graph together
+/// with those that waited for it. Consistent loops that claim more drift than the VIO can have
+/// gathered (a repeated structure seen from frame to frame) stay out, unless very many agree.
+class LoopConsistency {
+ public:
+  enum class State { kPending, kImplausible, kAccepted };
+  struct Entry {
+    PoseGraphLoop loop;
+    int tag = 0;  ///< the caller's
+    State state = State::kPending;
+  };
+
+  explicit LoopConsistency(const LoopConsistencyOptions& options) : options_(options) {}
+
+  /// Adds a verified loop and returns all entries that are believed from now on, the new one last
+  /// when it is among them; `graph` holds both nodes and not yet the loop.
+  std::vector<Entry> Add(const PoseGraphLoop& loop, int tag, const PoseGraph& graph);
+
+  /// State of the newest entry.
+  State last_state() const { return entries_.back().state; }
+
+  /// True when the loops' cycle closes; false when it does not; `is_comparable` is false when the
+  /// odometry between them is too long, or missing, to tell.
+  struct Comparison {
+    bool is_comparable = false;
+    bool agrees = false;
+  };
+  Comparison Compare(const PoseGraphLoop& a, const PoseGraphLoop& b, const PoseGraph& graph) const;
+
+ private:
+  bool IsBelieved(const Entry& entry, const PoseGraph& graph, bool* is_implausible) const;
+  bool IsPlausible(const PoseGraphLoop& loop, const PoseGraph& graph) const;
+  double PathSinceLoop(int node, const PoseGraph& graph) const;
+
+  LoopConsistencyOptions options_;
+  std::vector<Entry> entries_;
+};
+
+}  // namespace deja_view

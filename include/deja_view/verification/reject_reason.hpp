@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+
+namespace deja_view {
+
+/// Why a loop candidate, or a keyframe, did not lead to a loop constraint.
+enum class RejectReason {
+  kNone,            ///< accepted
+  kNoCandidate,     ///< the database found nothing similar enough
+  kTooFewPoints,    ///< the keyframes bring too few tracked points to solve a pose
+  kTooFewMatches,   ///< descriptor matches
+  kTooFewInliers,   ///< of the robust pose
+  kLowInlierRatio,  ///< too few of the points that should be visible were found
+  kPoorSpread,      ///< inliers crowd in one part of an image
+  kTooFar,          ///< distance between the two bodies
+  kTooMuchYaw,      ///< angle between the two headings
+  kGravity,         ///< roll or pitch disagree with the VIO's
+  kUncertain,       ///< covariance of the pose too large
+  kInconsistent,    ///< not (yet) supported by other loops, or contradicted by them
+  kImplausible,     ///< would need far more drift than the VIO can have
+};
+
+constexpr int kRejectReasonCount = static_cast<int>(RejectReason::kImplausible) + 1;
+
+/// "accepted" for kNone, else the reason in snake_case, as in loops.csv and the diagnostics.
+std::string ToString(RejectReason reason);
+
+}  // namespace deja_view

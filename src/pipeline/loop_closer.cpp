@@ -1,0 +1,89 @@
+#include "deja_view/pipeline/loop_closer.hpp"
+
+#include "deja_view/base/check.hpp"
+
+#include <utility>
+
+#include "loop_closer_impl.hpp"
+
+namespace deja_view {
+
+LoopCloser::LoopCloser(const LoopCloserOptions& options,
+                       std::shared_ptr<const Camera> camera,
+                       const Rigid3& T_B_C,
+                       std::shared_ptr<const Vocabulary> vocabulary,
+                       SolveExecutor executor)
+    : impl_(std::make_unique<Impl>(
+          options, std::move(camera), T_B_C, std::move(vocabulary), std::move(executor))) {}
+
+LoopCloser::~LoopCloser() = default;
+LoopCloser::LoopCloser(LoopCloser&&) noexcept = default;
+LoopCloser& LoopCloser::operator=(LoopCloser&&) noexcept = default;
+
+void LoopCloser::SetExtrinsic(const Rigid3& T_B_C) {
+  impl_->T_B_C = T_B_C;
+}
+
+KeyframeReport LoopCloser::AddKeyframe(const KeyframeInput& input) {
+  return impl_->AddKeyframe(input);
+}
+
+bool LoopCloser::UpdateLoop(int current, const Rigid3& T_Bold_Bcurrent) {
+  return impl_->UpdateLoop(current, T_Bold_Bcurrent);
+}
+
+void LoopCloser::OptimizeFully() {
+  impl_->OptimizeFully();
+}
+
+int LoopCloser::keyframe_count() const {
+  return static_cast<int>(impl_->keyframes.size());
+}
+
+KeyframeInfo LoopCloser::keyframe(int index) const {
+  DEJA_VIEW_CHECK(index >= 0 && index < keyframe_count());
+  const auto k = static_cast<std::size_t>(index);
+  const PoseGraphNode& node = impl_->graph.nodes()[k];
+  return {index, node.sequence, impl_->keyframes[k].stamp_ns, node.T_W_B, node.T_M_B()};
+}
+
+int LoopCloser::sequence_count() const {
+  return impl_->sequence + 1;
+}
+
+bool LoopCloser::is_joined(int sequence) const {
+  return impl_->graph.IsAnchored(sequence);
+}
+
+int LoopCloser::place_count() const {
+  return static_cast<int>(impl_->places.size());
+}
+
+std::size_t LoopCloser::memory_bytes() const {
+  std::size_t bytes = impl_->places.memory_bytes();
+  for (const StoredKeyframe& keyframe : impl_->keyframes) {
+    bytes += sizeof(StoredKeyframe) + keyframe.features.MemoryBytes();
+  }
+  return bytes;
+}
+
+Rigid3 LoopCloser::drift() const {
+  // After a map was loaded, the newest node is the map's until the first keyframe comes.
+  const bool has_current =
+      !impl_->keyframes.empty() && impl_->keyframes.back().sequence == impl_->sequence;
+  return has_current ? impl_->graph.Correction(impl_->graph.size() - 1) : Rigid3::Identity();
+}
+
+std::vector<LoopReport> LoopCloser::accepted_loops() const {
+  return impl_->accepted;
+}
+
+void LoopCloser::Save(const std::filesystem::path& directory) const {
+  impl_->Save(directory);
+}
+
+void LoopCloser::Load(const std::filesystem::path& directory) {
+  impl_->Load(directory);
+}
+
+}  // namespace deja_view

@@ -1,0 +1,90 @@
+#pragma once
+
+#include "deja_view/pipeline/loop_closer.hpp"
+#include "deja_view/pose_graph/loop_consistency.hpp"
+#include "deja_view/pose_graph/pose_graph.hpp"
+#include "deja_view/verification/loop_verifier.hpp"
+
+#include <future>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "candidates.hpp"
+
+namespace deja_view {
+
+/// A keyframe as it is kept.
+struct StoredKeyframe {
+  std::int64_t stamp_ns = 0;
+  int sequence = 0;
+  bool is_place = false;  ///< in the place database, with features
+  KeyframeFeatures features;
+  BowVector bow;
+};
+
+/// State and steps of LoopCloser.
+class LoopCloser::Impl {
+ public:
+  Impl(const LoopCloserOptions& options,
+       std::shared_ptr<const Camera> camera,
+       const Rigid3& T_B_C,
+       std::shared_ptr<const Vocabulary> vocabulary,
+       SolveExecutor executor);
+  ~Impl();
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  KeyframeReport AddKeyframe(const KeyframeInput& input);
+  bool UpdateLoop(int current, const Rigid3& T_Bold_Bcurrent);
+  void OptimizeFully();
+  void Save(const std::filesystem::path& directory) const;
+  void Load(const std::filesystem::path& directory);
+
+  LoopCloserOptions options;
+  std::shared_ptr<const Camera> camera;
+  Rigid3 T_B_C;
+  std::shared_ptr<const Vocabulary> vocabulary;
+  SolveExecutor executor;
+  std::unique_ptr<FeatureExtractor> extractor;
+  LoopVerifier verifier;
+
+  std::vector<StoredKeyframe> keyframes;
+  PoseGraph graph;
+  PlaceDatabase places;
+  LoopConsistency consistency;
+  std::vector<LoopReport> reports;   ///< every loop that passed verification, by consistency's tag
+  std::vector<LoopReport> accepted;  ///< one per loop of the graph, in its order
+  int sequence = -1;                 ///< of the newest keyframe
+
+ private:
+  /// A snapshot of the graph under way.
+  struct PendingSolve {
+    std::shared_ptr<PoseGraph> snapshot;
+    std::future<void> done;  ///< invalid when solved already
+    int due = 0;             ///< index of the keyframe that takes the solution over
+  };
+
+  void CheckInput(const KeyframeInput& input) const;
+  bool StartsSequence(const KeyframeInput& input) const;
+  void ExtractFeatures(const KeyframeInput& input, StoredKeyframe* keyframe) const;
+  bool FitsItsPixel(const TrackedPoint& point, const Eigen::Vector3d& p_B) const;
+  int NewestOldEnough() const;
+  NearbyPlace PlaceOf(int keyframe) const;
+  bool IsLocalised() const;
+  std::vector<Candidate> FindCandidates(KeyframeTimes* times) const;
+  LoopReport VerifyCandidate(const Candidate& candidate, Verification* verification) const;
+  void FindLoops(KeyframeReport* report);
+  void Believe(const std::vector<LoopConsistency::Entry>& entries, KeyframeReport* report);
+  Relocalisation MakeRelocalisation(const LoopReport& loop, const Verification& verification) const;
+  bool IsNewPlace() const;
+  void ScheduleSolve();
+  void TakeDueSolution(bool wait_for_all, KeyframeReport* report);
+
+  std::optional<PendingSolve> pending_solve_;
+  int loops_since_solve_ = 0;
+  bool is_surprised_ = false;
+  int last_localised_ = -1;  ///< newest keyframe with an accepted loop
+};
+
+}  // namespace deja_view

@@ -1,0 +1,176 @@
+#include "deja_view/pose_graph/loop_consistency.hpp"
+
+#include "deja_view/pose_graph/four_dof_error.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace deja_view {
+namespace {
+
+constexpr double kDegree = 3.14159265358979323846 / 180.0;
+
+const PoseGraphNode& Node(const PoseGraph& graph, int i) {
+  return graph.nodes().at(static_cast<std::size_t>(i));
+}
+
+}  // namespace
+
+std::vector<std::string> LoopConsistencyOptions::Validate() const {
+  std::vector<std::string> errors;
+  const auto require = [&](bool ok, const char* text) {
+    if (!ok) {
+      errors.emplace_back(text);
+    }
+  };
+  require(min_support >= 0, "min_support must not be negative");
+  require(min_support_join >= 0, "min_support_join must not be negative");
+  require(max_support_ratio >= 0, "max_support_ratio must not be negative");
+  require(window >= 1, "window must be at least 1");
+  require(max_path_m > 0, "max_path_m must be positive");
+  require(max_sigmas > 0, "max_sigmas must be positive");
+  require(plausible_m > 0, "plausible_m must be positive");
+  require(plausible_m_per_m >= 0, "plausible_m_per_m must not be negative");
+  require(plausible_yaw_deg > 0, "plausible_yaw_deg must be positive");
+  require(plausible_yaw_deg_per_m >= 0, "plausible_yaw_deg_per_m must not be negative");
+  require(override_support >= 1, "override_support must be at least 1");
+  return errors;
+}
+
+LoopConsistency::Comparison LoopConsistency::Compare(const PoseGraphLoop& a,
+                                                     const PoseGraphLoop& b,
+                                                     const PoseGraph& graph) const {
+  Comparison result;
+  const PoseGraphNode& a_from = Node(graph, a.from);
+  const PoseGraphNode& b_from = Node(graph, b.from);
+  const PoseGraphNode& a_to = Node(graph, a.to);
+  const PoseGraphNode& b_to = Node(graph, b.to);
+  if (a_from.sequence != b_from.sequence || a_to.sequence != b_to.sequence) {
+    return result;
+  }
+  const double from_path = graph.PathLength(a.from, b.from);
+  const double to_path = graph.PathLength(a.to, b.to);
+  if (from_path > options_.max_path_m || to_path > options_.max_path_m) {
+    return result;
+  }
+  result.is_comparable = true;
+
+  const Rigid3 around =
+      a_from.T_W_B.Inverse() * b_from.T_W_B * b.T_from_to * b_to.T_W_B.Inverse() * a_to.T_W_B;
+  const Eigen::Vector3d dt = around.t - a.T_from_to.t;
+  const double dpsi = WrapAngle(DeltaPsi(a_from.T_W_B.q, around.q, a_to.T_W_B.q) -
+                                DeltaPsi(a_from.T_W_B.q, a.T_from_to.q, a_to.T_W_B.q));
+  const PoseGraphOptions& noise = graph.options();
+  const double path = from_path + to_path;
+  const double yaw_variance =
+      std::pow(kDegree, 2) * (std::pow(noise.odometry_yaw_sigma_per_sqrt_m_deg, 2) * path +
+                              2.0 * std::pow(noise.loop_yaw_sigma_floor_deg, 2)) +
+      (a.covariance.bottomRightCorner<3, 3>() + b.covariance.bottomRightCorner<3, 3>()).trace() / 3;
+  const double lever = std::max(from_path, to_path);
+  const double variance =
+      std::pow(noise.odometry_sigma_per_sqrt_m, 2) * path +
+      2.0 * std::pow(noise.loop_sigma_floor_m, 2) + yaw_variance * lever * lever / 4.0 +
+      (a.covariance.topLeftCorner<3, 3>() + b.covariance.topLeftCorner<3, 3>()).trace() / 3;
+  const double limit = options_.max_sigmas * options_.max_sigmas;
+  result.agrees = dt.squaredNorm() < 3.0 * limit * variance && dpsi * dpsi < limit * yaw_variance;
+  return result;
+}
+
+double LoopConsistency::PathSinceLoop(int node, const PoseGraph& graph) const {
+  for (auto it = entries_.rbegin(); it != entries_.rend(); ++it) {
+    if (it->state == State::kAccepted &&
+        Node(graph, it->loop.to).sequence == Node(graph, node).sequence) {
+      return graph.PathLength(it->loop.to, node);
+    }
+  }
+  int first = node;
+  while (first > 0 && Node(graph, first - 1).sequence == Node(graph, node).sequence) {
+    --first;
+  }
+  return graph.PathLength(first, node);
+}
+
+bool LoopConsistency::IsPlausible(const PoseGraphLoop& loop, const PoseGraph& graph) const {
+  const PoseGraphNode& from = Node(graph, loop.from);
+  const PoseGraphNode& to = Node(graph, loop.to);
+  const double path = PathSinceLoop(loop.to, graph);
+  const Eigen::Vector3d predicted = (from.T_M_B().Inverse() * to.T_M_B()).t;
+  const double yaw =
+      WrapAngle(to.psi - from.psi - DeltaPsi(from.T_W_B.q, loop.T_from_to.q, to.T_W_B.q));
+  return (predicted - loop.T_from_to.t).norm() <
+             options_.plausible_m + options_.plausible_m_per_m * path &&
+         std::abs(yaw) <
+             kDegree * (options_.plausible_yaw_deg + options_.plausible_yaw_deg_per_m * path);
+}
+
+bool LoopConsistency::IsBelieved(const Entry& entry,
+                                 const PoseGraph& graph,
+                                 bool* is_implausible) const {
+  int support = 0;
+  int against = 0;
+  const std::size_t begin =
+      entries_.size() -
+      std::min<std::size_t>(entries_.size(), static_cast<std::size_t>(options_.window));
+  for (std::size_t i = begin; i < entries_.size(); ++i) {
+    const Entry& other = entries_[i];
+    if (&other == &entry || other.loop.to == entry.loop.to) {
+      continue;
+    }
+    const Comparison c = Compare(entry.loop, other.loop, graph);
+    support += c.is_comparable && c.agrees ? 1 : 0;
+    against += c.is_comparable && !c.agrees && other.state == State::kAccepted ? 1 : 0;
+  }
+  *is_implausible = false;
+  if (against > options_.max_support_ratio * support) {
+    return false;
+  }
+  const int from_sequence = Node(graph, entry.loop.from).sequence;
+  const int to_sequence = Node(graph, entry.loop.to).sequence;
+  if (!graph.AreJoined(from_sequence, to_sequence)) {
+    return support >= options_.min_support_join;
+  }
+  if (!IsPlausible(entry.loop, graph)) {
+    *is_implausible = true;
+    return support >= options_.override_support;
+  }
+  return support >= options_.min_support;
+}
+
+std::vector<LoopConsistency::Entry> LoopConsistency::Add(const PoseGraphLoop& loop,
+                                                         int tag,
+                                                         const PoseGraph& graph) {
+  entries_.push_back({loop, tag, State::kPending});
+  std::vector<Entry> believed;
+  const std::size_t begin =
+      entries_.size() -
+      std::min<std::size_t>(entries_.size(), static_cast<std::size_t>(options_.window));
+  // Oldest first. Judged against the entries as they stand: one that is believed now speaks against
+  // later ones at the next call.
+  std::vector<std::pair<std::size_t, State>> changes;
+  for (std::size_t i = begin; i < entries_.size(); ++i) {
+    const Entry& entry = entries_[i];
+    if (entry.state == State::kAccepted) {
+      continue;
+    }
+    // Only those that the new loop can have helped.
+    if (i + 1 != entries_.size() && !Compare(entry.loop, loop, graph).agrees) {
+      continue;
+    }
+    bool is_implausible = false;
+    if (IsBelieved(entry, graph, &is_implausible)) {
+      changes.emplace_back(i, State::kAccepted);
+    } else {
+      changes.emplace_back(i, is_implausible ? State::kImplausible : State::kPending);
+    }
+  }
+  for (const auto& [i, state] : changes) {
+    entries_[i].state = state;
+    if (state == State::kAccepted) {
+      believed.push_back(entries_[i]);
+    }
+  }
+  return believed;
+}
+
+}  // namespace deja_view

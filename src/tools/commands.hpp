@@ -1,0 +1,15 @@
+#pragma once
+
+#include <functional>
+
+#include <CLI/CLI.hpp>
+
+namespace deja_view {
+
+/// What a subcommand does once its arguments are parsed; returns the exit code.
+using Command = std::function<int()>;
+
+/// Each adds its subcommand to `app` and sets `*command` when it is the one that was called.
+void AddReplayCommand(CLI::App& app, Command* command);
+
+}  // namespace deja_view

@@ -1,0 +1,23 @@
+#include <exception>
+#include <iostream>
+
+#include "commands.hpp"
+
+int main(int argc, char** argv) {
+  CLI::App app{
+      "Loop closure for visual-inertial drones that also recognises a place from new viewpoints",
+      "deja_view"};
+  app.set_version_flag("--version", DEJA_VIEW_VERSION);
+  app.require_subcommand(1);
+  deja_view::Command command;
+#ifdef DEJA_VIEW_WITH_ROS
+  deja_view::AddReplayCommand(app, &command);
+#endif
+  CLI11_PARSE(app, argc, argv);
+  try {
+    return command();
+  } catch (const std::exception& e) {
+    std::cerr << "deja_view: " << e.what() << "\n";
+    return 1;
+  }
+}
