@@ -10,17 +10,15 @@
 
 namespace deja_view {
 
-void PlaceDatabaseOptions::Validate() const {
-  std::string violations;
+std::vector<std::string> PlaceDatabaseOptions::Validate() const {
+  std::vector<std::string> violations;
   if (score != "l1" && score != "cosine") {
-    violations += fmt::format("; score: is '{}', expected l1 or cosine", score);
+    violations.push_back(fmt::format("score: is '{}', expected l1 or cosine", score));
   }
   if (idf != "frozen" && idf != "running") {
-    violations += fmt::format("; idf: is '{}', expected frozen or running", idf);
+    violations.push_back(fmt::format("idf: is '{}', expected frozen or running", idf));
   }
-  if (!violations.empty()) {
-    ThrowInputError("place database: {}", violations.substr(2));
-  }
+  return violations;
 }
 
 class PlaceDatabase::Impl {
@@ -46,7 +44,10 @@ class PlaceDatabase::Impl {
 
 PlaceDatabase::PlaceDatabase(const PlaceDatabaseOptions& options,
                              std::shared_ptr<const Vocabulary> vocabulary) {
-  options.Validate();
+  const std::vector<std::string> violations = options.Validate();
+  if (!violations.empty()) {
+    throw CheckError(fmt::format("place database: {}", fmt::join(violations, "; ")));
+  }
   impl_ = std::make_unique<Impl>(options, std::move(vocabulary));
 }
 

@@ -15,6 +15,10 @@ namespace {
 namespace portable {
 #define DEJA_VIEW_TARGET
 
+inline int Distance(const Descriptor& a, const Descriptor& b) {
+  return HammingDistance(a, b);
+}
+
 inline std::uint32_t NearestChild(const Descriptor& descriptor,
                                   const Descriptor* children,
                                   std::uint32_t count) {
@@ -38,18 +42,20 @@ inline std::uint32_t NearestChild(const Descriptor& descriptor,
 namespace popcnt {
 #define DEJA_VIEW_TARGET __attribute__((target("popcnt")))
 
+DEJA_VIEW_TARGET inline std::int64_t Distance(const Descriptor& a, const Descriptor& b) {
+  return _mm_popcnt_u64(a.words[0] ^ b.words[0]) + _mm_popcnt_u64(a.words[1] ^ b.words[1]) +
+         _mm_popcnt_u64(a.words[2] ^ b.words[2]) + _mm_popcnt_u64(a.words[3] ^ b.words[3]);
+}
+
 DEJA_VIEW_TARGET inline std::uint32_t NearestChild(const Descriptor& descriptor,
                                                    const Descriptor* children,
                                                    std::uint32_t count) {
-  const std::uint64_t* a = descriptor.words.data();
   // Distance above, index below: the least key is the nearest child, of equally near ones the
   // first.
   std::uint64_t best = ~std::uint64_t{0};
   for (std::uint32_t i = 0; i < count; ++i) {
-    const std::uint64_t* b = children[i].words.data();
-    const std::int64_t distance = _mm_popcnt_u64(a[0] ^ b[0]) + _mm_popcnt_u64(a[1] ^ b[1]) +
-                                  _mm_popcnt_u64(a[2] ^ b[2]) + _mm_popcnt_u64(a[3] ^ b[3]);
-    const std::uint64_t key = static_cast<std::uint64_t>(distance) << 32U | i;
+    const auto distance = static_cast<std::uint64_t>(Distance(descriptor, children[i]));
+    const std::uint64_t key = distance << 32U | i;
     best = key < best ? key : best;
   }
   return static_cast<std::uint32_t>(best);
@@ -61,6 +67,10 @@ DEJA_VIEW_TARGET inline std::uint32_t NearestChild(const Descriptor& descriptor,
 
 namespace avx512 {
 #define DEJA_VIEW_TARGET __attribute__((target("avx512f,avx512vpopcntdq,popcnt")))
+
+DEJA_VIEW_TARGET inline std::int64_t Distance(const Descriptor& a, const Descriptor& b) {
+  return popcnt::Distance(a, b);
+}
 
 // Bits that differ, per 64-bit word, of two children (or one, when `mask` leaves out the upper
 // half).
@@ -123,13 +133,13 @@ std::vector<DescendKernel> AvailableDescendKernels() {
 #if defined(__x86_64__)
   __builtin_cpu_init();
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vpopcntdq")) {
-    kernels.push_back({"avx512", &avx512::Descend});
+    kernels.push_back({"avx512", &avx512::Descend, &avx512::Assign, &avx512::Lower});
   }
   if (__builtin_cpu_supports("popcnt")) {
-    kernels.push_back({"popcnt", &popcnt::Descend});
+    kernels.push_back({"popcnt", &popcnt::Descend, &popcnt::Assign, &popcnt::Lower});
   }
 #endif
-  kernels.push_back({"portable", &portable::Descend});
+  kernels.push_back({"portable", &portable::Descend, &portable::Assign, &portable::Lower});
   return kernels;
 }
 

@@ -15,10 +15,27 @@ using DescendFunction = void (*)(const FlatView& view,
                                  std::size_t count,
                                  WordId* words);
 
-/// One implementation of the descent; all give the same words.
+/// Writes the index of the nearest of `centre_count` centres (at most 256) for each descriptor to
+/// `labels`.
+using AssignFunction = void (*)(const Descriptor* descriptors,
+                                std::size_t count,
+                                const Descriptor* centres,
+                                std::uint32_t centre_count,
+                                std::uint8_t* labels);
+
+/// Lowers distances[i] to the Hamming distance of descriptor i from `centre` where that is less.
+using LowerFunction = void (*)(const Descriptor* descriptors,
+                               std::size_t count,
+                               const Descriptor& centre,
+                               std::uint16_t* distances);
+
+/// One implementation; all give the same results. Of equally near centres or children the first is
+/// taken.
 struct DescendKernel {
   const char* name;
   DescendFunction descend;
+  AssignFunction assign;
+  LowerFunction lower;
 };
 
 /// The implementations that this processor can run, the fastest first.

@@ -19,8 +19,8 @@ struct PlaceDatabaseOptions {
   /// from, or "running", the database's own content at the time of the query.
   std::string idf = "frozen";
 
-  /// Throws InputError that lists every value that is not allowed.
-  void Validate() const;
+  /// Violations, one line each; empty when all is well.
+  std::vector<std::string> Validate() const;
 
   template <typename Visitor>
   void Visit(Visitor& v) {
@@ -56,7 +56,7 @@ struct PlaceMatch {
 /// would. Const methods may be called from several threads.
 class PlaceDatabase {
  public:
-  /// Throws InputError for options that are not allowed.
+  /// Throws CheckError for invalid options.
   PlaceDatabase(const PlaceDatabaseOptions& options, std::shared_ptr<const Vocabulary> vocabulary);
   ~PlaceDatabase();
   PlaceDatabase(PlaceDatabase&&) noexcept;

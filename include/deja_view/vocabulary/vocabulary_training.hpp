@@ -13,19 +13,21 @@ namespace deja_view {
 
 struct TrainOptions {
   int k = 10;           ///< children of a node, 2 to 255
-  int levels = 6;       ///< depth of the tree, 1 to 32
+  int levels = 6;       ///< depth of the tree, at most; 1 to 32
+  int max_words = 0;    ///< 0: as many as k and levels make; else the fullest nodes split first
   int iterations = 12;  ///< of k-means at each node, at most; it stops when nothing changes
   std::uint32_t seed = 1;
   int threads = 0;  ///< 0: all cores; the result is the same for any number
   std::string descriptor_name = "brief";
 
-  /// Throws InputError that lists every value that is not allowed.
-  void Validate() const;
+  /// Violations, one line each; empty when all is well.
+  std::vector<std::string> Validate() const;
 
   template <typename Visitor>
   void Visit(Visitor& v) {
     v("k", k);
     v("levels", levels);
+    v("max_words", max_words);
     v("iterations", iterations);
     v("seed", seed);
     v("threads", threads);
@@ -33,7 +35,8 @@ struct TrainOptions {
   }
 };
 
-/// Called now and then with how many descriptors have been clustered, out of descriptors x levels.
+/// Called now and then, from the caller's thread, with how many nodes have been split or found
+/// final, out of as many as are known so far.
 using TrainProgress = std::function<void(std::size_t done, std::size_t total)>;
 
 /// Trains a vocabulary by hierarchical k-means in Hamming space: k-means++ seeding (Arthur and

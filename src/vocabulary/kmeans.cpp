@@ -1,0 +1,169 @@
+#include "kmeans.hpp"
+
+#include "deja_view/base/parallel.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "bit_counter.hpp"
+#include "descend.hpp"
+
+namespace deja_view::internal {
+namespace {
+
+// Descriptors are counted in chunks of this size, whatever the number of threads.
+constexpr std::size_t kChunk = 8192;
+
+// SplitMix64 (Steele, Lea and Flood, 2014): the same numbers with every standard library.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : state_(seed) {}
+
+  /// Uniform in [0, limit), limit > 0; the bias of the modulo is below 2^-30 for our sums of
+  /// distances.
+  std::uint64_t Below(std::uint64_t limit) {
+    state_ += 0x9e3779b97f4a7c15U;
+    std::uint64_t z = state_;
+    z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9U;
+    z = (z ^ (z >> 27U)) * 0x94d049bb133111ebU;
+    return (z ^ (z >> 31U)) % limit;
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+class Problem {
+ public:
+  Problem(const KMeansOptions& options, const Descriptor* descriptors, std::size_t count)
+      : options_(options),
+        descriptors_(descriptors),
+        count_(count),
+        kernel_(AvailableDescendKernels().front()),
+        labels_(count, 0) {}
+
+  // k-means++: each centre is a descriptor, drawn with a probability proportional to its squared
+  // distance (of binary vectors: Hamming distance) from the centres so far.
+  void Seed() {
+    Random random(options_.seed);
+    std::vector<std::uint16_t> distances(count_, 0xffffU);
+    std::size_t next = random.Below(count_);
+    while (true) {
+      centres_.push_back(descriptors_[next]);
+      ParallelFor(
+          Threads(),
+          count_,
+          [&](std::size_t begin, std::size_t end) {
+            kernel_.lower(
+                descriptors_ + begin, end - begin, centres_.back(), distances.data() + begin);
+          },
+          kChunk);
+      const std::uint64_t total =
+          std::accumulate(distances.begin(), distances.end(), std::uint64_t{0});
+      if (total == 0 || centres_.size() == static_cast<std::size_t>(options_.k)) {
+        return;
+      }
+      std::uint64_t left = random.Below(total);
+      next = 0;
+      while (left >= distances[next]) {
+        left -= distances[next++];
+      }
+    }
+  }
+
+  void Assign() {
+    ParallelFor(
+        Threads(),
+        count_,
+        [&](std::size_t begin, std::size_t end) {
+          kernel_.assign(descriptors_ + begin,
+                         end - begin,
+                         centres_.data(),
+                         static_cast<std::uint32_t>(centres_.size()),
+                         labels_.data() + begin);
+        },
+        kChunk);
+  }
+
+  // Moves the centres to their descriptors' majority, dropping those without any; false when none
+  // moved.
+  bool Update() {
+    const std::size_t chunks = (count_ + kChunk - 1) / kChunk;
+    std::vector<std::vector<BitCounter>> partial(chunks);
+    ParallelFor(Threads(), chunks, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t chunk = begin; chunk < end; ++chunk) {
+        partial[chunk].resize(centres_.size());
+        const std::size_t last = std::min(count_, (chunk + 1) * kChunk);
+        for (std::size_t i = chunk * kChunk; i < last; ++i) {
+          partial[chunk][labels_[i]].Add(descriptors_[i]);
+        }
+      }
+    });
+    std::vector<Descriptor> moved;
+    for (std::size_t c = 0; c < centres_.size(); ++c) {
+      BitCounter sum;
+      for (const std::vector<BitCounter>& counters : partial) {
+        sum.Add(counters[c]);
+      }
+      if (sum.count() > 0) {
+        moved.push_back(sum.Majority());
+      }
+    }
+    const bool has_moved = moved != centres_;
+    centres_ = std::move(moved);
+    return has_moved;
+  }
+
+  // Clusters in the order of their centres; descriptors are moved to `sorted`.
+  std::vector<Cluster> Sort(std::vector<Descriptor>* sorted) const {
+    std::vector<std::size_t> sizes(centres_.size(), 0);
+    for (const std::uint8_t label : labels_) {
+      ++sizes[label];
+    }
+    std::vector<Cluster> clusters;
+    std::vector<std::size_t> next(centres_.size());
+    std::size_t begin = 0;
+    for (std::size_t c = 0; c < centres_.size(); ++c) {
+      next[c] = begin;
+      if (sizes[c] > 0) {
+        clusters.push_back({centres_[c], begin, begin + sizes[c]});
+      }
+      begin += sizes[c];
+    }
+    sorted->resize(count_);
+    for (std::size_t i = 0; i < count_; ++i) {
+      (*sorted)[next[labels_[i]]++] = descriptors_[i];
+    }
+    return clusters;
+  }
+
+ private:
+  int Threads() const { return count_ < 2 * kChunk ? 1 : options_.threads; }
+
+  const KMeansOptions& options_;
+  const Descriptor* descriptors_;
+  std::size_t count_;
+  DescendKernel kernel_;
+  std::vector<Descriptor> centres_;
+  std::vector<std::uint8_t> labels_;
+};
+
+}  // namespace
+
+std::vector<Cluster> KMeans(const KMeansOptions& options,
+                            Descriptor* descriptors,
+                            std::size_t count) {
+  Problem problem(options, descriptors, count);
+  problem.Seed();
+  problem.Assign();
+  for (int i = 0; i < options.iterations && problem.Update(); ++i) {
+    problem.Assign();
+  }
+  std::vector<Descriptor> sorted;
+  std::vector<Cluster> clusters = problem.Sort(&sorted);
+  std::copy(sorted.begin(), sorted.end(), descriptors);
+  return clusters;
+}
+
+}  // namespace deja_view::internal
