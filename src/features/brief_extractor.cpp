@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "check_valid.hpp"
 #include "select_corners.hpp"
-#include <fmt/format.h>
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -14,12 +14,6 @@ namespace deja_view {
 namespace {
 
 constexpr int kFastRadius = 3;
-
-void CheckValid(const std::vector<std::string>& violations) {
-  if (!violations.empty()) {
-    throw CheckError(fmt::format("options: {}", fmt::join(violations, "; ")));
-  }
-}
 
 // Offsets of both samples of each pair into an image of `stride` bytes per row.
 struct SampleOffsets {
@@ -65,27 +59,8 @@ Descriptor DescribeClamped(const cv::Mat& smooth, cv::Point p, const BriefPatter
 
 }  // namespace
 
-std::vector<std::string> BriefOptions::Validate() const {
-  std::vector<std::string> violations;
-  const auto require = [&](bool holds, std::string text) {
-    if (!holds) {
-      violations.push_back(std::move(text));
-    }
-  };
-  require(max_features >= 1, fmt::format("max_features: {}, expected at least 1", max_features));
-  require(fast_threshold >= 1 && fast_threshold <= 254,
-          fmt::format("fast_threshold: {}, expected 1 to 254", fast_threshold));
-  require(cell_size_px >= 0, fmt::format("cell_size_px: {}, expected 0 or more", cell_size_px));
-  require(smoothing_kernel_px >= 1 && smoothing_kernel_px <= 31 && smoothing_kernel_px % 2 == 1,
-          fmt::format("smoothing_kernel_px: {}, expected an odd number from 1 to 31",
-                      smoothing_kernel_px));
-  require(smoothing_sigma_px > 0 && smoothing_sigma_px < 100,
-          fmt::format("smoothing_sigma_px: {}, expected more than 0", smoothing_sigma_px));
-  return violations;
-}
-
 BriefExtractor::BriefExtractor(const BriefOptions& options)
-    : options_((CheckValid(options.Validate()), options)),
+    : options_((internal::CheckValid(options.Validate()), options)),
       pattern_(options.pattern_file.empty() ? DefaultBriefPattern()
                                             : ReadBriefPattern(options.pattern_file)),
       radius_(pattern_.Radius()) {}

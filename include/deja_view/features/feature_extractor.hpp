@@ -25,8 +25,9 @@ class FeatureExtractor {
   virtual Features Extract(const cv::Mat& image) const = 0;
 
   /// As Extract, and also describes `points` (pixels, e.g. the VIO's tracked points) with the same
-  /// smoothed image. `point_descriptors` is resized to points.size(); points too near the border
-  /// get the descriptor that clamping every sample to the image gives.
+  /// smoothed image. `point_descriptors` is resized to points.size(). Near and beyond the border
+  /// the image is continued in a way that the extractor defines (BRIEF: by its nearest pixel; ORB:
+  /// mirrored).
   virtual Features Extract(const cv::Mat& image,
                            const std::vector<cv::Point2f>& points,
                            std::vector<Descriptor>* point_descriptors) const = 0;

@@ -3,6 +3,7 @@
 #include "deja_view/base/enum_names.hpp"
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace deja_view {
@@ -41,6 +42,77 @@ struct BriefOptions {
     v("smoothing_kernel_px", smoothing_kernel_px);
     v("smoothing_sigma_px", smoothing_sigma_px);
     v("point_rounding", point_rounding);
+  }
+};
+
+/// How ORB's corners are spread over a pyramid level by a quadtree (Sec. 3.2.3): a cell with more
+/// than one corner splits in four until there are T cells with corners; the strongest corner of
+/// each is kept.
+enum class QuadtreeMode {
+  kCount,  ///< T is the level's share of max_features
+  kStd,    ///< for each quarter of the level, T is its grey values' standard deviation (Eq. 7, as
+           ///< corrected)
+  kAdaptiveFast,  ///< as kCount, after FAST with a threshold proportional to the local deviation
+};
+
+template <>
+struct EnumNames<QuadtreeMode> {
+  static constexpr std::pair<QuadtreeMode, const char*> kNames[] = {
+      {QuadtreeMode::kCount, "count"},
+      {QuadtreeMode::kStd, "std"},
+      {QuadtreeMode::kAdaptiveFast, "adaptive_fast"}};
+};
+
+/// Options of OrbExtractor; the defaults are ORB-SLAM's.
+struct OrbOptions {
+  int max_features = 1000;     ///< over all levels; >= 1
+  double scale_factor = 1.2;   ///< between levels, 1.01 to 2
+  int levels = 8;              ///< 1 to 16
+  int fast_threshold = 20;     ///< grey levels, 1 to 254
+  int min_fast_threshold = 7;  ///< where a cell has no corner at fast_threshold; <= fast_threshold
+  int cell_size_px = 35;       ///< of the cells that choose between the thresholds
+  QuadtreeMode quadtree = QuadtreeMode::kCount;
+  double adaptive_factor = 0.5;  ///< adaptive_fast: threshold over the cell's standard deviation
+
+  /// Violations, one line each; empty when all is well.
+  std::vector<std::string> Validate() const;
+
+  template <typename Visitor>
+  void Visit(Visitor& v) {
+    v("max_features", max_features);
+    v("scale_factor", scale_factor);
+    v("levels", levels);
+    v("fast_threshold", fast_threshold);
+    v("min_fast_threshold", min_fast_threshold);
+    v("cell_size_px", cell_size_px);
+    v("quadtree", quadtree);
+    v("adaptive_factor", adaptive_factor);
+  }
+};
+
+/// Kind of descriptor; a vocabulary is trained for one of them.
+enum class FeatureKind { kBrief, kOrb };
+
+template <>
+struct EnumNames<FeatureKind> {
+  static constexpr std::pair<FeatureKind, const char*> kNames[] = {{FeatureKind::kBrief, "brief"},
+                                                                   {FeatureKind::kOrb, "orb"}};
+};
+
+/// Options of MakeFeatureExtractor; only the group of the chosen kind matters.
+struct FeatureOptions {
+  FeatureKind kind = FeatureKind::kBrief;
+  BriefOptions brief;
+  OrbOptions orb;
+
+  /// Violations of the chosen kind's options, one line each.
+  std::vector<std::string> Validate() const;
+
+  template <typename Visitor>
+  void Visit(Visitor& v) {
+    v("kind", kind);
+    v("brief", brief);
+    v("orb", orb);
   }
 };
 
