@@ -1,11 +1,15 @@
 // Feature extraction and descriptor matching on synthetic data, one thread.
 #include "deja_view/features/brief_extractor.hpp"
 #include "deja_view/features/hamming_matcher.hpp"
+#include "deja_view/features/orb_extractor.hpp"
 
 #include <random>
 
 #include "synthetic_image.hpp"
 #include <benchmark/benchmark.h>
+#ifdef DEJA_VIEW_HAVE_HIGHWAY
+#include <hwy/targets.h>
+#endif
 #include <opencv2/core.hpp>
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
@@ -33,6 +37,33 @@ void BM_Brief(benchmark::State& state) {
   state.counters["features"] = static_cast<double>(count);
 }
 BENCHMARK(BM_Brief)->Arg(1000)->Unit(benchmark::kMillisecond);
+
+void BM_Orb(benchmark::State& state) {
+  cv::setNumThreads(1);
+  const cv::Mat image = test::SyntheticImage(752, 480, 1);
+  OrbOptions options;
+  options.quadtree = static_cast<QuadtreeMode>(state.range(0));
+  const OrbExtractor extractor(options);
+  std::size_t count = 0;
+  for (auto _ : state) {
+    count = extractor.Extract(image).keypoints.size();
+  }
+  state.SetLabel(EnumToString(options.quadtree));
+  state.counters["features"] = static_cast<double>(count);
+}
+BENCHMARK(BM_Orb)->DenseRange(0, 2)->Unit(benchmark::kMillisecond);
+
+void BM_OpenCvOrb(benchmark::State& state) {
+  cv::setNumThreads(1);
+  const cv::Mat image = test::SyntheticImage(752, 480, 1);
+  const auto orb = cv::ORB::create(1000, 1.2F, 8, 19, 0, 2, cv::ORB::FAST_SCORE, 31);
+  std::vector<cv::KeyPoint> keypoints;
+  cv::Mat descriptors;
+  for (auto _ : state) {
+    orb->detectAndCompute(image, cv::noArray(), keypoints, descriptors);
+  }
+}
+BENCHMARK(BM_OpenCvOrb)->Unit(benchmark::kMillisecond);
 
 void BM_BriefSmoothing(benchmark::State& state) {
   cv::setNumThreads(1);
@@ -67,14 +98,31 @@ std::vector<Descriptor> RandomDescriptors(std::size_t count, std::uint64_t seed)
   return descriptors;
 }
 
-void BM_MatchHamming(benchmark::State& state) {
-  const auto queries = RandomDescriptors(static_cast<std::size_t>(state.range(0)), 1);
-  const auto train = RandomDescriptors(static_cast<std::size_t>(state.range(1)), 2);
+void MatchOnThisCpu(benchmark::State& state) {
+  const auto queries = RandomDescriptors(150, 1);
+  const auto train = RandomDescriptors(1000, 2);
   for (auto _ : state) {
     benchmark::DoNotOptimize(MatchHamming(queries, train));
   }
 }
-BENCHMARK(BM_MatchHamming)->Args({150, 1000})->Unit(benchmark::kMicrosecond);
+
+void BM_MatchHamming(benchmark::State& state) {
+  MatchOnThisCpu(state);
+}
+BENCHMARK(BM_MatchHamming)->Unit(benchmark::kMicrosecond);
+
+#ifdef DEJA_VIEW_HAVE_HIGHWAY
+// As on a CPU without AVX-512.
+void BM_MatchHammingAvx2(benchmark::State& state) {
+  hwy::SetSupportedTargetsForTest(hwy::SupportedTargets() & ~(HWY_AVX3 | HWY_AVX3_DL));
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  state.SetLabel(hwy::TargetName(hwy::SupportedTargets() & -hwy::SupportedTargets()));
+  MatchOnThisCpu(state);
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+}
+BENCHMARK(BM_MatchHammingAvx2)->Unit(benchmark::kMicrosecond);
+#endif
 
 void BM_MatchHammingPortable(benchmark::State& state) {
   const auto queries = RandomDescriptors(150, 1);

@@ -3,6 +3,9 @@
 #include <random>
 
 #include <gtest/gtest.h>
+#ifdef DEJA_VIEW_HAVE_HIGHWAY
+#include <hwy/targets.h>
+#endif
 
 namespace deja_view {
 namespace {
@@ -18,7 +21,7 @@ std::vector<Descriptor> RandomDescriptors(std::size_t count, bool few_bits, std:
   return descriptors;
 }
 
-TEST(HammingMatcher, AgreesWithThePlainLoop) {
+void ExpectAgreement() {
   std::mt19937_64 rng(1);
   for (const bool few_bits : {false, true}) {
     for (const std::size_t train_count :
@@ -34,6 +37,23 @@ TEST(HammingMatcher, AgreesWithThePlainLoop) {
     }
   }
 }
+
+TEST(HammingMatcher, AgreesWithThePlainLoop) {
+  ExpectAgreement();
+}
+
+#ifdef DEJA_VIEW_HAVE_HIGHWAY
+TEST(HammingMatcher, AgreesOnEveryInstructionSet) {
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    SCOPED_TRACE(hwy::TargetName(target));
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    ExpectAgreement();
+  }
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+}
+#endif
 
 TEST(HammingMatcher, FindsTheTwoNearest) {
   std::vector<Descriptor> train(40);
