@@ -1,0 +1,84 @@
+#pragma once
+
+#include "deja_view/camera/camera.hpp"
+#include "deja_view/geometry/rigid3.hpp"
+#include "deja_view/sim/beam_caster.hpp"
+#include "deja_view/sim/world.hpp"
+
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+
+namespace deja_view::sim {
+
+/// Casts rays through every pixel of a real camera model into a hall. The camera's rays are
+/// computed once. Const methods may be called from several threads.
+class Renderer {
+ public:
+  /// `samples`: rays per pixel, 1 to 64, each at another place within the pixel. `threads` 0: all
+  /// cores.
+  Renderer(std::shared_ptr<const World> world,
+           std::shared_ptr<const Camera> camera,
+           int samples = 4,
+           int threads = 0);
+
+  const World& world() const { return *world_; }
+  const Camera& camera() const { return *camera_; }
+  int samples() const { return samples_; }
+
+  /// Linear radiance (CV_32FC1, height x width), the mean over `samples` rays per pixel; all at one
+  /// pose.
+  cv::Mat RenderRadiance(const Rigid3& T_W_C) const;
+
+  /// The same with ray i of every pixel cast from pose i (motion blur). One pose per sample.
+  cv::Mat RenderRadiance(const std::vector<Rigid3>& T_W_C) const;
+
+  /// Exact distance [m] along the unit ray through each pixel's centre (CV_32FC1): the point is
+  /// `T_W_C * (range * camera.Unproject(pixel))`. Infinite where nothing is hit.
+  cv::Mat RenderRange(const Rigid3& T_W_C) const;
+
+ private:
+  static constexpr int kTile = 16;
+  static constexpr int kBlock = 4;  ///< tiles per side of a block, which is culled first
+
+  struct Beam {
+    int x = 0, y = 0;  ///< [px] top left
+    int width = 0, height = 0;
+    Cone cone;
+  };
+  /// Unit rays in C through (x + offset) for all pixels, row by row, one array per coordinate.
+  struct RayTable {
+    std::vector<float> x, y, z;
+  };
+
+  RayTable MakeRays(const Eigen::Vector2d& offset) const;
+  void MakeBeams();
+  Beam MakeBeam(int x, int y, int size) const;
+  template <typename Row>
+  void ForEachPacket(const BeamCaster& caster, const RayTable& rays, const Row& row) const;
+  float Shade(const BeamCaster& caster, const RayPacket& packet, int lane) const;
+
+  std::shared_ptr<const World> world_;
+  std::shared_ptr<const Camera> camera_;
+  int samples_;
+  int threads_;
+  float pixel_angle_;  ///< [rad] that one sample stands for
+  std::vector<RayTable> sample_rays_;
+  RayTable centre_rays_;
+  std::vector<Beam> blocks_;
+  std::vector<std::vector<Beam>> tiles_;  ///< of each block
+};
+
+/// A virtual photograph with its exact geometry.
+struct View {
+  cv::Mat image;  ///< CV_8UC1
+  cv::Mat range;  ///< CV_32FC1 [m] along the unit ray
+};
+
+/// Renders what `renderer`'s camera sees from T_W_C without blur, noise or vignetting, at exposure
+/// `gain` and display gamma `gamma`.
+View RenderView(const Renderer& renderer, const Rigid3& T_W_C, double gain, double gamma = 1.7);
+
+}  // namespace deja_view::sim
