@@ -3,12 +3,30 @@
 #include "deja_view/base/check.hpp"
 
 #include <algorithm>
-#include <tuple>
 #include <utility>
+#include <variant>
 
-#include "similarity.hpp"
+#include "place_index.hpp"
 
 namespace deja_view {
+namespace {
+
+using internal::IdfMode;
+using internal::L1Norms;
+using internal::PlaceIndex;
+using internal::ScoreKind;
+using internal::SquaredNorms;
+
+void CheckBow(const BowVector& bow, std::size_t word_count) {
+  DEJA_VIEW_CHECK_OP(bow.descriptor_count, <=, internal::kMaxDescriptors);
+  for (std::size_t i = 0; i < bow.entries.size(); ++i) {
+    DEJA_VIEW_CHECK_OP(bow.entries[i].word, <, word_count);
+    DEJA_VIEW_CHECK_OP(bow.entries[i].count, >, 0U);
+    DEJA_VIEW_CHECK(i == 0 || bow.entries[i - 1].word < bow.entries[i].word);
+  }
+}
+
+}  // namespace
 
 std::vector<std::string> PlaceDatabaseOptions::Validate() const {
   std::vector<std::string> violations;
@@ -24,22 +42,33 @@ std::vector<std::string> PlaceDatabaseOptions::Validate() const {
 class PlaceDatabase::Impl {
  public:
   Impl(const PlaceDatabaseOptions& options, std::shared_ptr<const Vocabulary> vocabulary)
-      : weights(options.idf == "running" ? IdfMode::kRunning : IdfMode::kFrozen, *vocabulary),
-        score(options.score == "cosine" ? ScoreKind::kCosine : ScoreKind::kL1) {}
+      : vocabulary_(std::move(vocabulary)),
+        index_(MakeIndex(options.score == "l1",
+                         options.idf == "running" ? IdfMode::kRunning : IdfMode::kFrozen)) {}
 
-  struct Entry {
-    int id;
-    int tag;
-    BowVector bow;
-  };
+  template <typename F>
+  auto Visit(F f) const {
+    return std::visit(f, index_);
+  }
+  template <typename F>
+  auto Visit(F f) {
+    return std::visit(f, index_);
+  }
 
-  internal::WordWeights weights;
-  internal::ScoreKind score;
-  std::vector<Entry> entries;
+  std::size_t word_count() const { return vocabulary_->word_count(); }
 
  private:
-  using IdfMode = internal::IdfMode;
-  using ScoreKind = internal::ScoreKind;
+  using Index = std::variant<PlaceIndex<L1Norms>, PlaceIndex<SquaredNorms>>;
+
+  Index MakeIndex(bool is_l1, IdfMode mode) const {
+    if (is_l1) {
+      return PlaceIndex<L1Norms>(mode, *vocabulary_);
+    }
+    return PlaceIndex<SquaredNorms>(mode, *vocabulary_);
+  }
+
+  std::shared_ptr<const Vocabulary> vocabulary_;
+  Index index_;
 };
 
 PlaceDatabase::PlaceDatabase(const PlaceDatabaseOptions& options,
@@ -48,6 +77,7 @@ PlaceDatabase::PlaceDatabase(const PlaceDatabaseOptions& options,
   if (!violations.empty()) {
     throw CheckError(fmt::format("place database: {}", fmt::join(violations, "; ")));
   }
+  DEJA_VIEW_CHECK(vocabulary != nullptr);
   impl_ = std::make_unique<Impl>(options, std::move(vocabulary));
 }
 
@@ -56,53 +86,38 @@ PlaceDatabase::PlaceDatabase(PlaceDatabase&&) noexcept = default;
 PlaceDatabase& PlaceDatabase::operator=(PlaceDatabase&&) noexcept = default;
 
 void PlaceDatabase::Add(int id, const BowVector& bow, int tag) {
-  impl_->weights.Add(bow);
-  impl_->entries.push_back({id, tag, bow});
+  CheckBow(bow, impl_->word_count());
+  impl_->Visit([&](auto& index) {
+    DEJA_VIEW_CHECK(!index.Contains(id, tag));
+    index.Add(id, tag, bow);
+  });
 }
 
 bool PlaceDatabase::Remove(int id) {
-  auto& entries = impl_->entries;
-  const auto removed = std::stable_partition(
-      entries.begin(), entries.end(), [id](const Impl::Entry& entry) { return entry.id != id; });
-  const bool any = removed != entries.end();
-  for (auto entry = removed; entry != entries.end(); ++entry) {
-    impl_->weights.Remove(entry->bow);
-  }
-  entries.erase(removed, entries.end());
-  return any;
+  return impl_->Visit([&](auto& index) { return index.Remove(id); });
 }
 
 std::vector<PlaceMatch> PlaceDatabase::Query(const BowVector& bow, const PlaceQuery& query) const {
-  std::vector<PlaceMatch> matches;
-  for (const Impl::Entry& entry : impl_->entries) {
-    const double score = Score(bow, entry.bow);
-    if (entry.id >= query.min_id && entry.id <= query.max_id && score > 0 &&
-        score >= query.min_score) {
-      matches.push_back({entry.id, entry.tag, score});
-    }
-  }
-  std::sort(matches.begin(), matches.end(), [](const PlaceMatch& a, const PlaceMatch& b) {
-    return std::make_tuple(-a.score, a.id, a.tag) < std::make_tuple(-b.score, b.id, b.tag);
-  });
-  matches.resize(
-      std::min(matches.size(), static_cast<std::size_t>(std::max(0, query.max_results))));
-  return matches;
+  CheckBow(bow, impl_->word_count());
+  return impl_->Visit([&](const auto& index) { return internal::FindBest(index, bow, query); });
 }
 
 double PlaceDatabase::Score(const BowVector& a, const BowVector& b) const {
-  return internal::Similarity(impl_->score, impl_->weights, a, b);
+  CheckBow(a, impl_->word_count());
+  CheckBow(b, impl_->word_count());
+  return impl_->Visit([&](const auto& index) {
+    using Index = std::decay_t<decltype(index)>;
+    constexpr bool kIsL1 = std::is_same_v<Index, PlaceIndex<L1Norms>>;
+    return internal::Similarity(kIsL1 ? ScoreKind::kL1 : ScoreKind::kCosine, index.weights(), a, b);
+  });
 }
 
 std::size_t PlaceDatabase::size() const {
-  return impl_->entries.size();
+  return impl_->Visit([](const auto& index) { return index.size(); });
 }
 
 std::size_t PlaceDatabase::memory_bytes() const {
-  std::size_t bytes = 0;
-  for (const Impl::Entry& entry : impl_->entries) {
-    bytes += sizeof(entry) + entry.bow.entries.capacity() * sizeof(WordCount);
-  }
-  return bytes;
+  return impl_->Visit([](const auto& index) { return index.memory_bytes(); });
 }
 
 }  // namespace deja_view

@@ -6,55 +6,24 @@
 namespace deja_view::internal {
 namespace {
 
-// Calls f(word, count in a, count in b) for every word of either.
+std::uint64_t Count(const WordCount& entry) {
+  return std::min(entry.count, kMaxCount);
+}
+
+// Calls f(weight, count in a, count in b) for every word of both.
 template <typename F>
-void ForEachWord(const BowVector& a, const BowVector& b, F f) {
+void ForEachCommonWord(const WordWeights& weights, const BowVector& a, const BowVector& b, F f) {
   auto i = a.entries.begin();
   auto j = b.entries.begin();
-  while (i != a.entries.end() || j != b.entries.end()) {
-    if (j == b.entries.end() || (i != a.entries.end() && i->word < j->word)) {
-      f(i->word, std::uint64_t{i->count}, std::uint64_t{0});
-      ++i;
-    } else if (i == a.entries.end() || j->word < i->word) {
-      f(j->word, std::uint64_t{0}, std::uint64_t{j->count});
-      ++j;
-    } else {
-      f(i->word, std::uint64_t{i->count}, std::uint64_t{j->count});
-      ++i;
-      ++j;
+  while (i != a.entries.end() && j != b.entries.end()) {
+    if (i->word == j->word) {
+      f(static_cast<std::uint64_t>(weights[i->word]), Count(*i), Count(*j));
     }
+    const bool is_i_behind = i->word <= j->word;
+    const bool is_j_behind = j->word <= i->word;
+    i += is_i_behind ? 1 : 0;
+    j += is_j_behind ? 1 : 0;
   }
-}
-
-double L1Similarity(const WordWeights& weights, const BowVector& a, const BowVector& b) {
-  std::uint64_t norm_a = 0;
-  std::uint64_t norm_b = 0;
-  ForEachWord(a, b, [&](WordId word, std::uint64_t in_a, std::uint64_t in_b) {
-    norm_a += static_cast<std::uint64_t>(weights[word]) * in_a;
-    norm_b += static_cast<std::uint64_t>(weights[word]) * in_b;
-  });
-  // 1 - 1/2 sum |x - y| = sum min(x, y) when both sum to 1.
-  std::uint64_t common = 0;
-  ForEachWord(a, b, [&](WordId word, std::uint64_t in_a, std::uint64_t in_b) {
-    common += static_cast<std::uint64_t>(weights[word]) * std::min(in_a * norm_b, in_b * norm_a);
-  });
-  const double scale = static_cast<double>(norm_a) * static_cast<double>(norm_b);
-  return scale > 0 ? static_cast<double>(common) / scale : 0.0;
-}
-
-double CosineSimilarity(const WordWeights& weights, const BowVector& a, const BowVector& b) {
-  std::uint64_t dot = 0;
-  std::uint64_t norm_a = 0;
-  std::uint64_t norm_b = 0;
-  ForEachWord(a, b, [&](WordId word, std::uint64_t in_a, std::uint64_t in_b) {
-    const auto w = static_cast<std::uint64_t>(weights[word]);
-    dot += w * w * in_a * in_b;
-    norm_a += w * w * in_a * in_a;
-    norm_b += w * w * in_b * in_b;
-  });
-  const double scale =
-      std::sqrt(static_cast<double>(norm_a)) * std::sqrt(static_cast<double>(norm_b));
-  return scale > 0 ? static_cast<double>(dot) / scale : 0.0;
 }
 
 }  // namespace
@@ -63,34 +32,65 @@ std::int32_t FixedLog(std::uint32_t n) {
   return n < 2 ? 0 : static_cast<std::int32_t>(std::lround(std::log(n) * (1 << kWeightBits)));
 }
 
-WordWeights::WordWeights(IdfMode mode, const Vocabulary& vocabulary) : mode_(mode) {
-  df_.assign(vocabulary.word_count(), 0);
-  weights_.resize(vocabulary.word_count());
-  for (std::size_t word = 0; word < weights_.size(); ++word) {
-    const float idf = vocabulary.Idf(static_cast<WordId>(word));
-    weights_[word] = static_cast<std::int32_t>(std::lround(idf * (1 << kWeightBits)));
+WordWeights::WordWeights(IdfMode mode, const Vocabulary& vocabulary)
+    : mode_(mode), parts_(vocabulary.word_count(), 0) {
+  if (mode == IdfMode::kFrozen) {
+    for (std::size_t word = 0; word < parts_.size(); ++word) {
+      const float idf = vocabulary.Idf(static_cast<WordId>(word));
+      parts_[word] = static_cast<std::int32_t>(std::lround(idf * (1 << kWeightBits)));
+    }
   }
 }
 
-void WordWeights::Add(const BowVector& bow) {
-  fixed_log_collection_ = FixedLog(++entries_ + 1);
+std::uint64_t L1Norm(const WordWeights& weights, const BowVector& bow) {
+  std::uint64_t norm = 0;
   for (const WordCount& entry : bow.entries) {
-    ++df_[entry.word];
+    norm += static_cast<std::uint64_t>(weights[entry.word]) * Count(entry);
   }
+  return norm;
 }
 
-void WordWeights::Remove(const BowVector& bow) {
-  fixed_log_collection_ = FixedLog(--entries_ + 1);
+std::uint64_t SquaredNorm(const WordWeights& weights, const BowVector& bow) {
+  std::uint64_t norm = 0;
   for (const WordCount& entry : bow.entries) {
-    --df_[entry.word];
+    const std::uint64_t x = static_cast<std::uint64_t>(weights[entry.word]) * Count(entry);
+    norm += x * x;
   }
+  return norm;
+}
+
+std::uint64_t L1Common(const WordWeights& weights,
+                       const BowVector& a,
+                       std::uint64_t norm_a,
+                       const BowVector& b,
+                       std::uint64_t norm_b) {
+  std::uint64_t sum = 0;
+  ForEachCommonWord(weights, a, b, [&](std::uint64_t w, std::uint64_t in_a, std::uint64_t in_b) {
+    sum += w * std::min(in_a * norm_b, in_b * norm_a);
+  });
+  return sum;
+}
+
+double CosineScore(std::uint64_t dot, std::uint64_t squared_norm_a, std::uint64_t squared_norm_b) {
+  const double scale = std::sqrt(static_cast<double>(squared_norm_a)) *
+                       std::sqrt(static_cast<double>(squared_norm_b));
+  return scale > 0 ? static_cast<double>(dot) / scale : 0.0;
 }
 
 double Similarity(ScoreKind kind,
                   const WordWeights& weights,
                   const BowVector& a,
                   const BowVector& b) {
-  return kind == ScoreKind::kL1 ? L1Similarity(weights, a, b) : CosineSimilarity(weights, a, b);
+  if (kind == ScoreKind::kL1) {
+    const std::uint64_t norm_a = L1Norm(weights, a);
+    const std::uint64_t norm_b = L1Norm(weights, b);
+    return L1Score(L1Common(weights, a, norm_a, b, norm_b), norm_a, norm_b);
+  }
+  std::uint64_t dot = 0;
+  ForEachCommonWord(weights, a, b, [&](std::uint64_t w, std::uint64_t in_a, std::uint64_t in_b) {
+    dot += w * w * in_a * in_b;
+  });
+  return CosineScore(dot, SquaredNorm(weights, a), SquaredNorm(weights, b));
 }
 
 }  // namespace deja_view::internal

@@ -14,7 +14,7 @@ namespace deja_view::internal {
 constexpr int kMaxChildren = 255;
 constexpr int kMaxLevels = 32;
 constexpr std::uint64_t kMaxNodes = (std::uint64_t{1} << 31) - 2;
-constexpr float kMaxWeight = 1e6F;  ///< an idf is a logarithm; anything above is damage
+constexpr float kMaxWeight = 30;  ///< an idf is a logarithm: no collection has e^30 images
 constexpr std::size_t kSectionAlignment = 64;
 
 /// Where a node leads. Nodes are numbered breadth first, 0 is the root, so that the children of a
