@@ -55,6 +55,14 @@ class Section {
     return value;
   }
 
+  double GetNotNegative(const std::string& key) const {
+    const double value = GetFinite(key);
+    if (value < 0) {
+      Fail(node_[key], key, "0 or more");
+    }
+    return value;
+  }
+
   int GetSize(const std::string& key) const {
     const int value = Get<int>(key, "a number of pixels");
     if (value < 1 || value > 32768) {
@@ -171,10 +179,7 @@ std::shared_ptr<const Camera> ReadMei(const Section& root) {
   p.width = root.GetSize("image_width");
   p.height = root.GetSize("image_height");
   const Section mirror = root.Child("mirror_parameters");
-  p.xi = mirror.GetFinite("xi");
-  if (p.xi < 0) {
-    ThrowInputError("key 'mirror_parameters.xi': expected 0 or more, found {}", p.xi);
-  }
+  p.xi = mirror.GetNotNegative("xi");
   const Section distortion = root.Child("distortion_parameters");
   p.k1 = distortion.GetFinite("k1");
   p.k2 = distortion.GetFinite("k2");

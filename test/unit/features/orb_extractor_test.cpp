@@ -97,6 +97,7 @@ TEST(OrbExtractor, DescribesPointsEverywhere) {
 TEST(OrbExtractor, EqualThresholdsGiveOpenCvsCorners) {
   const cv::Mat image = test::SyntheticImage(320, 240, 3);
   OrbOptions options;
+  options.quadtree = QuadtreeMode::kCount;
   options.levels = 1;
   options.max_features = 100000;
   options.min_fast_threshold = options.fast_threshold;

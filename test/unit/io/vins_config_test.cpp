@@ -137,6 +137,8 @@ TEST_F(VinsConfigTest, ReadsAFisheyeAndAnOmnidirectionalCamera) {
   EXPECT_EQ(mei->parameters().xi, 1.9);
   EXPECT_EQ(mei->parameters().gamma2, 801);
   EXPECT_EQ(mei->parameters().k1, -0.2917);
+  text.replace(text.find("xi: 1.9"), 7, "xi: -1 ");
+  EXPECT_THROW(Read(text), InputError);
 }
 
 TEST_F(VinsConfigTest, NamesWhatIsWrong) {
