@@ -57,12 +57,13 @@ double FlightPath::Length() const {
   return length;
 }
 
-std::vector<FlightPath::StampedPose> FlightPath::GroundTruth(std::int64_t start_stamp_ns) const {
-  std::vector<StampedPose> poses;
+Trajectory FlightPath::GroundTruth(std::int64_t start_stamp_ns) const {
+  Trajectory poses;
   const int count = static_cast<int>(std::floor(duration() * options_.ground_truth_rate_hz)) + 1;
   for (int i = 0; i < count; ++i) {
     const double t = i / options_.ground_truth_rate_hz;
-    poses.push_back({start_stamp_ns + std::llround(t * 1e9), Pose(t)});
+    poses.stamps_ns.push_back(start_stamp_ns + std::llround(t * 1e9));
+    poses.poses.push_back(Pose(t));
   }
   return poses;
 }

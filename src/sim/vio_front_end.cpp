@@ -129,19 +129,20 @@ bool VioFrontEnd::IsKeyframe() const {
   return shift / common >= options_.keyframe_parallax_px * camera_->FocalLength() / 460.0;
 }
 
-/// The point along the ray of the window's oldest observation. Inverse range has the standard
-/// deviation sigma_px / (f b sqrt(n / 2)), b being the baseline across the line of sight of n
-/// observations.
+/// The point along the ray of the observation in the middle of the window, where the estimator,
+/// which fits all of them, is nearest. Inverse range has the standard deviation sigma_px / (f b
+/// sqrt(n / 2)), b being the baseline across the line of sight of n observations.
 std::optional<TrackedPoint> VioFrontEnd::Triangulate(const Track& track) const {
   if (track.age < kLeastAge) {
     return std::nullopt;
   }
-  const Observation& anchor = track.window.front();
+  const Observation& oldest = track.window.front();
   const Observation& newest = track.window.back();
+  const Observation& anchor = track.window[track.window.size() / 2];
   const Eigen::Vector3d ray_W = track.p_W - anchor.t_W_C;
   const double range = ray_W.norm();
   const double baseline =
-      std::max(kLeastBaseline, (ray_W / range).cross(newest.t_W_C - anchor.t_W_C).norm());
+      std::max(kLeastBaseline, (ray_W / range).cross(newest.t_W_C - oldest.t_W_C).norm());
   const double observations = static_cast<double>(track.window.size());
   const double sigma = std::max(options_.pixel_noise_px, 0.05) /
                        (camera_->FocalLength() * baseline * std::sqrt(observations / 2.0));

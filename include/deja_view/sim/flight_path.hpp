@@ -1,14 +1,12 @@
 #pragma once
 
 #include "deja_view/geometry/rigid3.hpp"
+#include "deja_view/geometry/trajectory.hpp"
 #include "deja_view/sim/options.hpp"
-#include "deja_view/sim/random.hpp"
 #include "deja_view/sim/spline.hpp"
 #include "deja_view/sim/world.hpp"
 
 #include <cstdint>
-#include <optional>
-#include <vector>
 
 namespace deja_view::sim {
 
@@ -32,11 +30,7 @@ class FlightPath {
   double Length() const;                            ///< [m]
 
   /// Poses at `options.ground_truth_rate_hz`, beginning with t = 0.
-  struct StampedPose {
-    std::int64_t stamp_ns;
-    Rigid3 T_W_B;
-  };
-  std::vector<StampedPose> GroundTruth(std::int64_t start_stamp_ns) const;
+  Trajectory GroundTruth(std::int64_t start_stamp_ns) const;
 
  private:
   FlightOptions options_;

@@ -83,7 +83,7 @@ struct RecordedFlight {
   std::vector<Rigid3> T_W_B;  ///< truth of each keyframe
   std::vector<VioOdometry> odometry;
   std::vector<ImuSample> imu;
-  std::vector<FlightPath::StampedPose> ground_truth;
+  Trajectory ground_truth;
 };
 
 /// Runs `simulator` and keeps all but the images that are no keyframe's.
