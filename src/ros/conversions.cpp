@@ -217,6 +217,36 @@ RelativePoseUpdate FromRelativePose(const nav_msgs::Odometry& message, const std
   return update;
 }
 
+sensor_msgs::PointCloud ToMatchPoints(const Relocalisation& relocalisation,
+                                      int current,
+                                      std::int64_t stamp_current_ns,
+                                      const std::string& frame_id) {
+  sensor_msgs::PointCloud message;
+  message.header.stamp = ToRosTime(stamp_current_ns);
+  message.header.frame_id = frame_id;
+  for (const RelocalisationPoint& match : relocalisation.points) {
+    geometry_msgs::Point32 point;
+    point.x = static_cast<float>(match.normalised_old.x());
+    point.y = static_cast<float>(match.normalised_old.y());
+    point.z = static_cast<float>(match.feature_id);
+    message.points.push_back(point);
+  }
+  const Rigid3& T = relocalisation.T_M_Bold;
+  sensor_msgs::ChannelFloat32 channel;
+  for (const double value : {T.t.x(),
+                             T.t.y(),
+                             T.t.z(),
+                             T.q.w(),
+                             T.q.x(),
+                             T.q.y(),
+                             T.q.z(),
+                             static_cast<double>(current)}) {
+    channel.values.push_back(static_cast<float>(value));
+  }
+  message.channels.push_back(std::move(channel));
+  return message;
+}
+
 ImageSource FromImage(const sensor_msgs::ImageConstPtr& message, const std::string& topic) {
   const Encoding& encoding = FindEncoding(message->encoding, topic);
   CheckImageSize(*message, encoding.type, topic);

@@ -1,11 +1,12 @@
 #include "replay.hpp"
 
-#include "deja_view/base/atomic_file.hpp"
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/progress.hpp"
 #include "deja_view/io/options_yaml.hpp"
 #include "deja_view/io/tum.hpp"
 #include "deja_view/io/vins_config.hpp"
+#include "deja_view/ros/loop_fusion_options.hpp"
+#include "deja_view/ros/result_files.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -35,8 +36,8 @@ Usage ProcessUsage() {
           static_cast<double>(usage.ru_maxrss) / 1024.0};
 }
 
-LoopCloserOptions ReadLoopCloserOptions(const ReplayRequest& request) {
-  LoopCloserOptions options;
+LoopFusionOptions ReadLoopFusionOptions(const ReplayRequest& request) {
+  LoopFusionOptions options;
   if (!request.config.empty()) {
     ReadOptions(request.config, &options);
   }
@@ -63,7 +64,10 @@ void DivideTimes(int count, ReplayResult* result) {
   }
 }
 
-void Play(const ReplayRequest& request, LoopCloser* closer, ReplayResult* result) {
+void Play(const ReplayRequest& request,
+          const KeyframeAssemblerOptions& assembler,
+          LoopCloser* closer,
+          ReplayResult* result) {
   Progress progress("replay", "messages", 0);
   int accepted = 0;
   ReplayCallbacks callbacks;
@@ -89,7 +93,7 @@ void Play(const ReplayRequest& request, LoopCloser* closer, ReplayResult* result
   const VinsConfig vins = ReadVinsConfig(request.camera);
   VioTopics topics;
   topics.image = vins.image_topic;
-  result->bag = ReplayBag(request.bag, topics, {}, callbacks);
+  result->bag = ReplayBag(request.bag, topics, assembler, callbacks);
   if (request.show_progress) {
     progress.Finish(static_cast<std::size_t>(result->bag.messages),
                     fmt::format("{} loops", accepted));
@@ -172,16 +176,16 @@ ReplayResult RunReplay(const ReplayRequest& request) {
   const Usage before = ProcessUsage();
   const auto start = std::chrono::steady_clock::now();
   ReplayResult result;
-  const LoopCloserOptions options = ReadLoopCloserOptions(request);
+  const LoopFusionOptions options = ReadLoopFusionOptions(request);
   const VinsConfig vins = ReadVinsConfig(request.camera);
   const auto vocabulary = Vocabulary::Open(request.vocabulary.empty() ? DefaultVocabulary("brief")
                                                                       : request.vocabulary);
-  LoopCloser closer(options, vins.camera, vins.T_B_C, vocabulary);
+  LoopCloser closer(options.loop_closer, vins.camera, vins.T_B_C, vocabulary);
   if (!request.load_map.empty()) {
     closer.Load(request.load_map);
     result.map_keyframes = closer.keyframe_count();
   }
-  Play(request, &closer, &result);
+  Play(request, options.assembler, &closer, &result);
   closer.OptimizeFully();
   if (!request.save_map.empty()) {
     closer.Save(request.save_map);
@@ -200,7 +204,7 @@ ReplayResult RunReplay(const ReplayRequest& request) {
     Judge(request, vins.T_B_C, &result);
   }
   if (!request.out.empty()) {
-    WriteReplayFiles(result, request.out);
+    WriteResultFiles(request.out, result.keyframes, result.map_keyframes, result.loops);
   }
   return result;
 }
@@ -250,44 +254,6 @@ nlohmann::ordered_json ToJson(const ReplayResult& r) {
   }
   json["reasons"] = reasons;
   return json;
-}
-
-void WriteReplayFiles(const ReplayResult& result, const fs::path& directory) {
-  Trajectory corrected;
-  Trajectory vio;
-  for (const KeyframeInfo& info : result.keyframes) {
-    if (info.index >= result.map_keyframes) {
-      corrected.stamps_ns.push_back(info.stamp_ns);
-      corrected.poses.push_back(info.T_M_B);
-      vio.stamps_ns.push_back(info.stamp_ns);
-      vio.poses.push_back(info.T_W_B);
-    }
-  }
-  WriteTum(directory / "trajectory.txt", corrected);
-  WriteTum(directory / "vio.txt", vio);
-  WriteFileAtomically(directory / "loops.csv", [&](std::ostream& out) {
-    out << "stamp_current_ns,stamp_old_ns,tx,ty,tz,qx,qy,qz,qw,score,inliers,virtual,accepted,"
-           "reason\n";
-    for (const LoopRow& l : result.loops) {
-      const Rigid3& T = l.T_Bold_Bcurrent;
-      out << fmt::format(
-          "{},{},{:.6f},{:.6f},{:.6f},{:.8f},{:.8f},{:.8f},{:.8f},{:.6f},{},{},{},{}\n",
-          l.stamp_current_ns,
-          l.stamp_old_ns,
-          T.t.x(),
-          T.t.y(),
-          T.t.z(),
-          T.q.x(),
-          T.q.y(),
-          T.q.z(),
-          T.q.w(),
-          l.score,
-          l.inliers,
-          l.is_virtual ? 1 : 0,
-          l.accepted() ? 1 : 0,
-          ToString(l.reason));
-    }
-  });
 }
 
 }  // namespace deja_view

@@ -19,7 +19,7 @@ namespace deja_view {
 struct ReplayRequest {
   std::filesystem::path bag;
   std::filesystem::path camera;           ///< VINS-Mono's YAML
-  std::filesystem::path config;           ///< LoopCloserOptions; empty: defaults
+  std::filesystem::path config;           ///< LoopFusionOptions; empty: defaults
   std::filesystem::path vocabulary;       ///< empty: the shipped one for the configured descriptor
   std::filesystem::path groundtruth;      ///< TUM; empty: none
   std::filesystem::path map_groundtruth;  ///< TUM of the loaded map; empty: none
@@ -60,9 +60,6 @@ ReplayResult RunReplay(const ReplayRequest& request);
 
 /// The documented JSON keys; null where there is no ground truth.
 nlohmann::ordered_json ToJson(const ReplayResult& result);
-
-/// trajectory.txt, vio.txt (TUM) and loops.csv.
-void WriteReplayFiles(const ReplayResult& result, const std::filesystem::path& directory);
 
 /// The file in the package's config/vocabulary for this descriptor. Looks beside the source tree
 /// that this was built from, then in the installed share directory, then in $DEJA_VIEW_SHARE.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "deja_view/geometry/rigid3.hpp"
+#include "deja_view/pipeline/loop_closer.hpp"
 #include "deja_view/pipeline/loop_closer_types.hpp"
 #include "deja_view/ros/keyframe_assembler.hpp"
 
@@ -53,6 +54,14 @@ std::vector<TrackedPoint> FromKeyframePoints(const sensor_msgs::PointCloud& mess
                                              const std::string& topic);
 
 RelativePoseUpdate FromRelativePose(const nav_msgs::Odometry& message, const std::string& topic);
+
+/// `/pose_graph/match_points`: points with x, y normalised in the old image and z the feature id;
+/// the first channel has the old body's position, quaternion (w, x, y, z) and the current
+/// keyframe's index.
+sensor_msgs::PointCloud ToMatchPoints(const Relocalisation& relocalisation,
+                                      int current,
+                                      std::int64_t stamp_current_ns,
+                                      const std::string& frame_id);
 
 /// Checks the header of an image (encoding mono8, 8UC1, rgb8, bgr8, rgba8, bgra8, mono16 or 16UC1,
 /// sizes) now, and returns what makes it grey later: CV_8UC1; 16 bits are divided by 256. Holds the

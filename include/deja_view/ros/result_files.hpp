@@ -1,0 +1,23 @@
+#pragma once
+
+#include "deja_view/pipeline/loop_closer.hpp"
+
+#include <filesystem>
+#include <vector>
+
+namespace deja_view {
+
+/// Writes what a flight gave to `directory`, which is made when missing:
+///   trajectory.txt  corrected body poses of the keyframes, TUM format
+///   vio.txt         the same as the VIO gave them
+///   loops.csv       one row per verified candidate, in the order of decision: stamp_current_ns,
+///                   stamp_old_ns, tx, ty, tz, qx, qy, qz, qw (T_Bold_Bcurrent [m]), score,
+///                   inliers, virtual, accepted, reason
+/// Keyframes with an index below `first_own` (a loaded map's) are left out of the trajectories.
+/// Throws InputError when a file can't be written.
+void WriteResultFiles(const std::filesystem::path& directory,
+                      const std::vector<KeyframeInfo>& keyframes,
+                      int first_own,
+                      const std::vector<LoopReport>& loops);
+
+}  // namespace deja_view
