@@ -49,10 +49,10 @@ int BriefPattern::Radius() const {
 }
 
 const BriefPattern& DefaultBriefPattern() {
-  static const BriefPattern kPattern = {{{
+  static const BriefPattern pattern = {{{
 #include "brief_pattern_data.inc"
   }}};
-  return kPattern;
+  return pattern;
 }
 
 BriefPattern ReadBriefPattern(const std::filesystem::path& path) {

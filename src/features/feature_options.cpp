@@ -63,7 +63,7 @@ std::vector<std::string> FeatureOptions::Validate() const {
   std::vector<std::string> violations =
       kind == FeatureKind::kBrief ? brief.Validate() : orb.Validate();
   for (std::string& violation : violations) {
-    violation = EnumToString(kind) + "." + violation;
+    violation.insert(0, EnumToString(kind) + ".");
   }
   return violations;
 }

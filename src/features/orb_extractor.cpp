@@ -225,11 +225,11 @@ std::vector<Descriptor> DescribePoints(const cv::Mat& image,
 namespace internal {
 
 float IntensityCentroidAngle(const cv::Mat& image, cv::Point centre) {
-  static const std::array<int, kDiscRadius + 1> kHalfWidths = DiscHalfWidths();
+  static const std::array<int, kDiscRadius + 1> half_widths = DiscHalfWidths();
   int m01 = 0;
   int m10 = 0;
   for (int v = -kDiscRadius; v <= kDiscRadius; ++v) {
-    const int half_width = kHalfWidths[std::abs(v)];
+    const int half_width = half_widths[std::abs(v)];
     const std::uint8_t* row = image.ptr<std::uint8_t>(centre.y + v) + centre.x;
     int sum = 0;
     for (int u = -half_width; u <= half_width; ++u) {

@@ -34,12 +34,15 @@ std::vector<Cell> Split(const Cell& cell) {
   const float half_width = 0.5F * cell.region.width;
   const float half_height = 0.5F * cell.region.height;
   std::vector<Cell> quarters(4);
-  for (int i = 0; i < 4; ++i) {
-    quarters[i].region = {cell.region.x + static_cast<float>(i % 2) * half_width,
-                          cell.region.y + static_cast<float>(i / 2) * half_height,
-                          half_width,
-                          half_height};
-    quarters[i].depth = cell.depth + 1;
+  for (int row = 0; row < 2; ++row) {
+    for (int column = 0; column < 2; ++column) {
+      Cell& quarter = quarters[2 * row + column];
+      quarter.region = {cell.region.x + static_cast<float>(column) * half_width,
+                        cell.region.y + static_cast<float>(row) * half_height,
+                        half_width,
+                        half_height};
+      quarter.depth = cell.depth + 1;
+    }
   }
   for (const cv::KeyPoint& corner : cell.corners) {
     const int column = corner.pt.x < cell.region.x + half_width ? 0 : 1;

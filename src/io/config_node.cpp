@@ -21,6 +21,7 @@ class Converter {
  public:
   explicit Converter(std::string name) : name_(std::move(name)) {}
 
+  // NOLINTNEXTLINE(misc-no-recursion): a document is a tree; kMaxDepth bounds it.
   ConfigNode Convert(const YAML::Node& node, int depth) {
     if (depth > kMaxDepth || ++count_ > kMaxNodes) {
       ThrowInputError(
@@ -45,6 +46,7 @@ class Converter {
   }
 
  private:
+  // NOLINTNEXTLINE(misc-no-recursion): see Convert.
   void ConvertEntries(const YAML::Node& node, int depth, ConfigNode* result) {
     for (const auto& entry : node) {
       if (!entry.first.IsScalar()) {

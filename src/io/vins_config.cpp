@@ -17,8 +17,8 @@ namespace {
 // Typed access to one map of the file; every error names file, line and full key.
 class Section {
  public:
-  Section(const std::filesystem::path& path, YAML::Node node, std::string prefix)
-      : path_(path), node_(std::move(node)), prefix_(std::move(prefix)) {}
+  Section(const std::filesystem::path& path, const YAML::Node& node, std::string prefix)
+      : path_(path), node_(node), prefix_(std::move(prefix)) {}
 
   Section Child(const std::string& key) const {
     const YAML::Node child = Required(key, "a map");
@@ -92,7 +92,7 @@ class Section {
                           matrix.Get<int>("cols", "an integer") == columns;
     const YAML::Node data = node["data"];
     if (!has_size || !data.IsDefined() || !data.IsSequence() ||
-        data.size() != static_cast<std::size_t>(rows * columns)) {
+        data.size() != static_cast<std::size_t>(rows) * columns) {
       Fail(node, key, expected);
     }
     std::vector<double> values;

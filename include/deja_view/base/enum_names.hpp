@@ -9,7 +9,8 @@ namespace deja_view {
 
 /// Names of an enum's values, for config files and messages. Specialise it beside the enum:
 ///   template <> struct EnumNames<Kind> {
-///     static constexpr std::pair<Kind, const char*> kNames[] = {{Kind::kBrief, "brief"}, ...};
+///     static constexpr std::array<std::pair<Kind, const char*>, 2> kNames = {
+///         {{Kind::kBrief, "brief"}, {Kind::kOrb, "orb"}}};
 ///   };
 template <typename Enum>
 struct EnumNames;

@@ -2,6 +2,7 @@
 
 #include "deja_view/base/enum_names.hpp"
 
+#include <array>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,8 +17,8 @@ enum class PixelRounding {
 
 template <>
 struct EnumNames<PixelRounding> {
-  static constexpr std::pair<PixelRounding, const char*> kNames[] = {
-      {PixelRounding::kNearest, "nearest"}, {PixelRounding::kTruncate, "truncate"}};
+  static constexpr std::array<std::pair<PixelRounding, const char*>, 2> kNames = {
+      {{PixelRounding::kNearest, "nearest"}, {PixelRounding::kTruncate, "truncate"}}};
 };
 
 /// Options of BriefExtractor.
@@ -57,10 +58,10 @@ enum class QuadtreeMode {
 
 template <>
 struct EnumNames<QuadtreeMode> {
-  static constexpr std::pair<QuadtreeMode, const char*> kNames[] = {
-      {QuadtreeMode::kCount, "count"},
-      {QuadtreeMode::kStd, "std"},
-      {QuadtreeMode::kAdaptiveFast, "adaptive_fast"}};
+  static constexpr std::array<std::pair<QuadtreeMode, const char*>, 3> kNames = {
+      {{QuadtreeMode::kCount, "count"},
+       {QuadtreeMode::kStd, "std"},
+       {QuadtreeMode::kAdaptiveFast, "adaptive_fast"}}};
 };
 
 /// Options of OrbExtractor; the defaults are ORB-SLAM's, but for the quadtree's mode, which finds
@@ -96,8 +97,8 @@ enum class FeatureKind { kBrief, kOrb };
 
 template <>
 struct EnumNames<FeatureKind> {
-  static constexpr std::pair<FeatureKind, const char*> kNames[] = {{FeatureKind::kBrief, "brief"},
-                                                                   {FeatureKind::kOrb, "orb"}};
+  static constexpr std::array<std::pair<FeatureKind, const char*>, 2> kNames = {
+      {{FeatureKind::kBrief, "brief"}, {FeatureKind::kOrb, "orb"}}};
 };
 
 /// Options of MakeFeatureExtractor; only the group of the chosen kind matters.
