@@ -58,8 +58,7 @@ TEST(OrbExtractor, DescriptorsAreOpenCvs) {
   for (int i = 0; i < rows.rows; ++i) {
     differing += FromRow(rows, i) != features.descriptors.at(keypoints[i].class_id) ? 1 : 0;
   }
-  // Angles pass through radians, which can move a sample that lies between two pixels.
-  EXPECT_LE(differing, count / 100);
+  EXPECT_EQ(differing, 0U);
 }
 
 TEST(OrbExtractor, AnglesAreOpenCvs) {
