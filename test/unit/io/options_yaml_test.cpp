@@ -159,6 +159,7 @@ TEST(OptionsYaml, WrongValuesNameKeyAndExpectation) {
   EXPECT_THAT(ErrorOf("limit: [1]\n"), HasSubstr("expected a number, found a list"));
   EXPECT_THAT(ErrorOf("limit:\n"), HasSubstr("expected a number, found nothing"));
   EXPECT_THAT(ErrorOf("name: {a: 1}\n"), HasSubstr("expected text, found a map"));
+  EXPECT_THAT(ErrorOf("inner: {enabled: \"true\"}\n"), HasSubstr("expected true or false"));
   EXPECT_THAT(ErrorOf("colour: blue\n"), HasSubstr("expected one of red, green, found 'blue'"));
   EXPECT_THAT(ErrorOf("radii: 3\n"), HasSubstr("expected a list"));
   EXPECT_THAT(ErrorOf("radii: [1, x]\n"), HasSubstr("key 'radii[1]': expected a number"));
