@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
   deja_view::AddReplayCommand(app, &command);
 #endif
   deja_view::AddSimulateCommand(app, &command);
+  deja_view::AddVocabularyCommand(app, &command);
   CLI11_PARSE(app, argc, argv);
   try {
     return command();

@@ -37,17 +37,23 @@ void VerifyFlatVocabulary(const std::filesystem::path& path) {
   internal::ViewFlat(file.data(), file.size(), path.string(), internal::FlatCheck::kAll);
 }
 
+void CheckVocabularyExtension(const std::filesystem::path& path) {
+  const std::string extension = path.extension().string();
+  if (extension != ".dvv" && extension != ".bin" && extension != ".txt") {
+    ThrowInputError(
+        "{}: extension: is '{}', expected .dvv, .bin or .txt", path.string(), extension);
+  }
+}
+
 void WriteVocabulary(const std::filesystem::path& path, const VocabularyTree& tree) {
+  CheckVocabularyExtension(path);
   const std::string extension = path.extension().string();
   if (extension == ".dvv") {
     WriteFlatVocabulary(path, tree);
   } else if (extension == ".bin") {
     WriteVinsVocabulary(path, tree);
-  } else if (extension == ".txt") {
-    WriteOrbSlamVocabulary(path, tree);
   } else {
-    ThrowInputError(
-        "{}: extension: is '{}', expected .dvv, .bin or .txt", path.string(), extension);
+    WriteOrbSlamVocabulary(path, tree);
   }
 }
 

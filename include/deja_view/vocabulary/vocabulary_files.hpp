@@ -47,4 +47,7 @@ void VerifyFlatVocabulary(const std::filesystem::path& path);
 /// Throws InputError for another extension.
 void WriteVocabulary(const std::filesystem::path& path, const VocabularyTree& tree);
 
+/// Throws InputError when WriteVocabulary would not know the extension; to fail before long work.
+void CheckVocabularyExtension(const std::filesystem::path& path);
+
 }  // namespace deja_view
