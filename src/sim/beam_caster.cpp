@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "packet_kernel.hpp"
+#include "vector_target.hpp"
 
 namespace deja_view::sim {
 namespace {
@@ -117,7 +118,7 @@ void BeamCaster::Cull(const Cone& cone,
 }
 
 void BeamCaster::Trace(const std::vector<std::int32_t>& candidates, RayPacket* packet) const {
-  if (HasFastPacketKernel()) {
+  if (HasAvx2()) {
     TracePacketFast(local_.data(), candidates, packet);
   } else {
     TracePacketPortable(local_.data(), candidates, packet);
@@ -129,24 +130,24 @@ void BeamCaster::TracePortable(const std::vector<std::int32_t>& candidates,
   TracePacketPortable(local_.data(), candidates, packet);
 }
 
-float BeamCaster::CosineOfIncidence(std::int32_t surface,
-                                    const Eigen::Vector3f& direction_A,
-                                    float u) const {
-  const LocalSurface& s = local_[static_cast<std::size_t>(surface)];
-  if (s.shape != Shape::kCylinder) {
-    return -s.axis_w.dot(direction_A);
+void BeamCaster::Complete(RayPacket* packet) const {
+  for (int i = 0; i < RayPacket::kSize; ++i) {
+    if (packet->surface[i] < 0) {
+      continue;
+    }
+    const LocalSurface& s = local_[static_cast<std::size_t>(packet->surface[i])];
+    const Eigen::Vector3f direction(packet->x[i], packet->y[i], packet->z[i]);
+    if (s.shape != Shape::kCylinder) {
+      packet->cosine[i] = -s.axis_w.dot(direction);
+      continue;
+    }
+    const Eigen::Vector3f p = s.from_surface + packet->range[i] * direction;
+    const Eigen::Vector3f from_axis = p - p.dot(s.axis_v) * s.axis_v;
+    packet->cosine[i] = -from_axis.dot(direction) / s.radius;
+    // axis_w is -axis_v x axis_u.
+    const float angle = std::atan2(-p.dot(s.axis_w), p.dot(s.axis_u));
+    packet->u[i] = (angle < 0 ? angle + 6.2831853F : angle) * s.radius;
   }
-  const float angle = u / s.radius;
-  return -(std::cos(angle) * s.axis_u - std::sin(angle) * s.axis_w).dot(direction_A);
-}
-
-float BeamCaster::AngleCoordinate(std::int32_t surface,
-                                  const Eigen::Vector3f& direction_A,
-                                  float range) const {
-  const LocalSurface& s = local_[static_cast<std::size_t>(surface)];
-  const Eigen::Vector3f p = s.from_surface + range * direction_A;
-  const float angle = std::atan2(-p.dot(s.axis_w), p.dot(s.axis_u));
-  return (angle < 0 ? angle + 6.2831853F : angle) * s.radius;
 }
 
 }  // namespace deja_view::sim

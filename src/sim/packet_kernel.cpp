@@ -3,11 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#if defined(__x86_64__) && defined(__GNUC__)
-#define DEJA_VIEW_SIM_AVX2 1
-#else
-#define DEJA_VIEW_SIM_AVX2 0
-#endif
+#include "vector_target.hpp"
 
 namespace deja_view::sim {
 namespace {
@@ -17,11 +13,7 @@ using LocalSurface = BeamCaster::LocalSurface;
 // Neighbouring faces of a box share an edge only up to rounding; this closes the crack [m].
 constexpr float kSeam = 1e-4F;
 
-// The loops below are plain C++ over the lanes of a packet, without branches, for the compiler to
-// vectorise for the target of the function that they are inlined into.
-#define DEJA_VIEW_INLINE inline __attribute__((always_inline))
-
-DEJA_VIEW_INLINE void Keep(
+DEJA_VIEW_SIM_INLINE void Keep(
     bool hit, float range, float u, float v, std::int32_t index, int lane, RayPacket* p) {
   p->range[lane] = hit ? range : p->range[lane];
   p->surface[lane] = hit ? index : p->surface[lane];
@@ -30,7 +22,7 @@ DEJA_VIEW_INLINE void Keep(
 }
 
 template <bool is_disc>
-DEJA_VIEW_INLINE void TracePlane(const LocalSurface& s, std::int32_t index, RayPacket* p) {
+DEJA_VIEW_SIM_INLINE void TracePlane(const LocalSurface& s, std::int32_t index, RayPacket* p) {
   const float nx = s.axis_w.x(), ny = s.axis_w.y(), nz = s.axis_w.z();
   const float ux = s.axis_u.x(), uy = s.axis_u.y(), uz = s.axis_u.z();
   const float vx = s.axis_v.x(), vy = s.axis_v.y(), vz = s.axis_v.z();
@@ -55,7 +47,7 @@ DEJA_VIEW_INLINE void TracePlane(const LocalSurface& s, std::int32_t index, RayP
 
 /// Nearer root as in HitMantle, in the form that keeps its digits for a thin cylinder far away: the
 /// foot of the perpendicular is computed first (Haines et al., Ray Tracing Gems, 2019, ch. 7).
-DEJA_VIEW_INLINE void TraceMantle(const LocalSurface& s, std::int32_t index, RayPacket* p) {
+DEJA_VIEW_SIM_INLINE void TraceMantle(const LocalSurface& s, std::int32_t index, RayPacket* p) {
   const float ax = s.axis_v.x(), ay = s.axis_v.y(), az = s.axis_v.z();
   const float wx = s.across.x(), wy = s.across.y(), wz = s.across.z();
   const float offset_v = s.offset_v, size_v = s.size_v;
@@ -75,9 +67,9 @@ DEJA_VIEW_INLINE void TraceMantle(const LocalSurface& s, std::int32_t index, Ray
   }
 }
 
-DEJA_VIEW_INLINE void TraceAll(const LocalSurface* surfaces,
-                               const std::vector<std::int32_t>& candidates,
-                               RayPacket* packet) {
+DEJA_VIEW_SIM_INLINE void TraceAll(const LocalSurface* surfaces,
+                                   const std::vector<std::int32_t>& candidates,
+                                   RayPacket* packet) {
   packet->range.fill(std::numeric_limits<float>::infinity());
   packet->surface.fill(-1);
   for (const std::int32_t index : candidates) {
@@ -98,27 +90,11 @@ DEJA_VIEW_INLINE void TraceAll(const LocalSurface* surfaces,
 
 }  // namespace
 
-#if DEJA_VIEW_SIM_AVX2
-bool HasFastPacketKernel() {
-  return __builtin_cpu_supports("avx2") != 0;
-}
-
-__attribute__((target("avx2"))) void TracePacketFast(const LocalSurface* surfaces,
-                                                     const std::vector<std::int32_t>& candidates,
-                                                     RayPacket* packet) {
+DEJA_VIEW_SIM_TARGET_AVX2 void TracePacketFast(const LocalSurface* surfaces,
+                                               const std::vector<std::int32_t>& candidates,
+                                               RayPacket* packet) {
   TraceAll(surfaces, candidates, packet);
 }
-#else
-bool HasFastPacketKernel() {
-  return false;
-}
-
-void TracePacketFast(const LocalSurface* surfaces,
-                     const std::vector<std::int32_t>& candidates,
-                     RayPacket* packet) {
-  TraceAll(surfaces, candidates, packet);
-}
-#endif
 
 void TracePacketPortable(const LocalSurface* surfaces,
                          const std::vector<std::int32_t>& candidates,

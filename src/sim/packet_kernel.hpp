@@ -7,11 +7,8 @@
 
 namespace deja_view::sim {
 
-/// True when this machine can run TracePacketFast (AVX2).
-bool HasFastPacketKernel();
-
-/// See BeamCaster::Trace. Both run the same operations in the same order, without fusing, on more
-/// or fewer lanes at a time: the same bits.
+/// See BeamCaster::Trace. The fast one needs AVX2 (HasAvx2). Both run the same operations in the
+/// same order, without fusing, on more or fewer lanes at a time: the same bits.
 void TracePacketFast(const BeamCaster::LocalSurface* surfaces,
                      const std::vector<std::int32_t>& candidates,
                      RayPacket* packet);

@@ -2,7 +2,6 @@
 
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/parallel.hpp"
-#include "deja_view/sim/light.hpp"
 
 #include <algorithm>
 #include <array>
@@ -31,47 +30,20 @@ Renderer::Renderer(std::shared_ptr<const World> world,
     : world_(std::move(world)), camera_(std::move(camera)), samples_(samples), threads_(threads) {
   DEJA_VIEW_CHECK(world_ != nullptr && camera_ != nullptr);
   DEJA_VIEW_CHECK(samples >= 1 && samples <= 64);
-  pixel_angle_ = static_cast<float>(1.0 / (camera_->FocalLength() * std::sqrt(samples)));
+  const double sample_angle = 1.0 / (camera_->FocalLength() * std::sqrt(samples));
+  shader_ = std::make_unique<Shader>(world_->scene(), static_cast<float>(sample_angle));
+  MakeBlocks();
   centre_rays_ = MakeRays(Eigen::Vector2d::Zero());
   for (int i = 0; i < samples; ++i) {
     sample_rays_.push_back(samples == 1 ? centre_rays_ : MakeRays(SampleOffset(i)));
   }
-  MakeBeams();
-}
-
-Renderer::RayTable Renderer::MakeRays(const Eigen::Vector2d& offset) const {
-  const int width = camera_->width();
-  const auto count = static_cast<std::size_t>(width) * static_cast<std::size_t>(camera_->height());
-  RayTable rays;
-  rays.x.resize(count);
-  rays.y.resize(count);
-  rays.z.resize(count);
-  ParallelFor(
-      threads_,
-      static_cast<std::size_t>(camera_->height()),
-      [&](std::size_t begin, std::size_t end) {
-        for (std::size_t y = begin; y < end; ++y) {
-          for (int x = 0; x < width; ++x) {
-            const Eigen::Vector2d pixel(x + offset.x(), static_cast<double>(y) + offset.y());
-            const Eigen::Vector3f ray = camera_->Unproject(pixel).cast<float>();
-            const std::size_t i = y * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
-            rays.x[i] = ray.x();
-            rays.y[i] = ray.y();
-            rays.z[i] = ray.z();
-          }
-        }
-      },
-      16);
-  return rays;
 }
 
 Renderer::Beam Renderer::MakeBeam(int x, int y, int size) const {
   Beam beam{x, y, std::min(size, camera_->width() - x), std::min(size, camera_->height() - y), {}};
   std::vector<Eigen::Vector3f> border;
   const auto add = [&](int px, int py) {
-    const auto i = static_cast<std::size_t>(py) * static_cast<std::size_t>(camera_->width()) +
-                   static_cast<std::size_t>(px);
-    border.emplace_back(centre_rays_.x[i], centre_rays_.y[i], centre_rays_.z[i]);
+    border.emplace_back(camera_->Unproject({px, py}).cast<float>());
   };
   for (int i = 0; i < beam.width; ++i) {
     add(x + i, y);
@@ -87,72 +59,67 @@ Renderer::Beam Renderer::MakeBeam(int x, int y, int size) const {
   return beam;
 }
 
-void Renderer::MakeBeams() {
+void Renderer::MakeBlocks() {
   constexpr int kSide = kTile * kBlock;
   for (int y = 0; y < camera_->height(); y += kSide) {
     for (int x = 0; x < camera_->width(); x += kSide) {
-      const Beam& block = blocks_.emplace_back(MakeBeam(x, y, kSide));
-      std::vector<Beam>& tiles = tiles_.emplace_back();
-      for (int ty = y; ty < y + block.height; ty += kTile) {
-        for (int tx = x; tx < x + block.width; tx += kTile) {
-          tiles.push_back(MakeBeam(tx, ty, kTile));
+      Block& block = blocks_.emplace_back();
+      block.beam = MakeBeam(x, y, kSide);
+      for (int ty = y; ty < y + block.beam.height; ty += kTile) {
+        for (int tx = x; tx < x + block.beam.width; tx += kTile) {
+          block.tiles.push_back({MakeBeam(tx, ty, kTile), row_count_});
+          row_count_ += static_cast<std::size_t>(block.tiles.back().beam.height);
         }
       }
     }
   }
 }
 
-/// Calls row(packet, x, y, count) for every run of up to 16 pixels, on all threads, block by block.
-template <typename Row>
-void Renderer::ForEachPacket(const BeamCaster& caster, const RayTable& rays, const Row& row) const {
-  static_assert(kTile == RayPacket::kSize, "a packet is one row of a tile");
+Renderer::RayTable Renderer::MakeRays(const Eigen::Vector2d& offset) const {
+  RayTable rays(row_count_);
   ParallelFor(threads_, blocks_.size(), [&](std::size_t begin, std::size_t end) {
-    std::vector<std::int32_t> in_block;
-    std::vector<std::int32_t> in_tile;
-    RayPacket packet;
     for (std::size_t b = begin; b < end; ++b) {
-      caster.Cull(blocks_[b].cone, caster.visible(), &in_block);
-      for (const Beam& tile : tiles_[b]) {
-        caster.Cull(tile.cone, in_block, &in_tile);
-        for (int y = tile.y; y < tile.y + tile.height; ++y) {
-          const auto first = static_cast<std::ptrdiff_t>(y) * camera_->width() + tile.x;
-          std::copy_n(rays.x.begin() + first, tile.width, packet.x.begin());
-          std::copy_n(rays.y.begin() + first, tile.width, packet.y.begin());
-          std::copy_n(rays.z.begin() + first, tile.width, packet.z.begin());
-          caster.Trace(in_tile, &packet);
-          row(packet, tile.x, y, tile.width);
+      for (const Tile& tile : blocks_[b].tiles) {
+        for (int y = 0; y < tile.beam.height; ++y) {
+          RayRow& row = rays[tile.first_row + static_cast<std::size_t>(y)];
+          for (int i = 0; i < kTile; ++i) {
+            // Lanes beyond the image repeat its last pixel.
+            const int x = tile.beam.x + std::min(i, tile.beam.width - 1);
+            const Eigen::Vector2d pixel = Eigen::Vector2d(x, tile.beam.y + y) + offset;
+            const Eigen::Vector3f ray = camera_->Unproject(pixel).cast<float>();
+            row.x[i] = ray.x();
+            row.y[i] = ray.y();
+            row.z[i] = ray.z();
+          }
         }
       }
     }
   });
+  return rays;
 }
 
-float Renderer::Shade(const BeamCaster& caster, const RayPacket& packet, int lane) const {
-  const std::int32_t index = packet.surface[lane];
-  if (index < 0) {
-    return 0.0F;
+/// Calls row(packet, x, y, count) for every run of up to 16 pixels of a block.
+template <typename Row>
+void Renderer::TraceBlock(const BeamCaster& caster,
+                          const Block& block,
+                          const RayTable& rays,
+                          const Row& row) const {
+  static_assert(kTile == RayPacket::kSize, "a packet is one row of a tile");
+  std::vector<std::int32_t> in_block;
+  std::vector<std::int32_t> in_tile;
+  RayPacket packet;
+  caster.Cull(block.beam.cone, caster.visible(), &in_block);
+  for (const Tile& tile : block.tiles) {
+    caster.Cull(tile.beam.cone, in_block, &in_tile);
+    for (int y = 0; y < tile.beam.height; ++y) {
+      const RayRow& ray_row = rays[tile.first_row + static_cast<std::size_t>(y)];
+      packet.x = ray_row.x;
+      packet.y = ray_row.y;
+      packet.z = ray_row.z;
+      caster.Trace(in_tile, &packet);
+      row(packet, tile.beam.x, tile.beam.y + y, tile.beam.width);
+    }
   }
-  const Scene& scene = world_->scene();
-  const Surface& surface = scene.surfaces[static_cast<std::size_t>(index)];
-  if (surface.emission > 0) {
-    return surface.emission;
-  }
-  const Eigen::Vector3f direction(packet.x[lane], packet.y[lane], packet.z[lane]);
-  const float range = packet.range[lane];
-  const float u = surface.shape == Shape::kCylinder
-                      ? caster.AngleCoordinate(index, direction, range)
-                      : packet.u[lane];
-  const float v = packet.v[lane];
-  // A pixel's cone covers an ellipse that slant lengthens; between its axes lies what neither
-  // flickers nor blurs.
-  const float cosine = std::max(0.05F, caster.CosineOfIncidence(index, direction, u));
-  const float footprint = range * pixel_angle_ / std::sqrt(cosine);
-  const float period = std::min(surface.period.x(), surface.period.y());
-  const float reflectance = scene.textures[static_cast<std::size_t>(surface.texture)].Sample(
-      surface.texture_origin.x() + u / surface.period.x(),
-      surface.texture_origin.y() + v / surface.period.y(),
-      footprint / period);
-  return reflectance * SampleLight(scene, surface, u, v);
 }
 
 cv::Mat Renderer::RenderRadiance(const Rigid3& T_W_C) const {
@@ -161,25 +128,40 @@ cv::Mat Renderer::RenderRadiance(const Rigid3& T_W_C) const {
 
 cv::Mat Renderer::RenderRadiance(const std::vector<Rigid3>& T_W_C) const {
   DEJA_VIEW_CHECK_OP(T_W_C.size(), ==, sample_rays_.size());
-  cv::Mat radiance = cv::Mat::zeros(camera_->height(), camera_->width(), CV_32FC1);
-  for (std::size_t s = 0; s < T_W_C.size(); ++s) {
-    const BeamCaster caster(world_->scene(), T_W_C[s]);
-    ForEachPacket(caster, sample_rays_[s], [&](const RayPacket& packet, int x, int y, int count) {
-      float* out = radiance.ptr<float>(y) + x;
-      for (int i = 0; i < count; ++i) {
-        out[i] += Shade(caster, packet, i);
-      }
-    });
+  std::vector<BeamCaster> casters;
+  for (const Rigid3& pose : T_W_C) {
+    casters.emplace_back(world_->scene(), pose);
   }
-  radiance = radiance * (1.0 / samples_);
+  cv::Mat radiance = cv::Mat::zeros(camera_->height(), camera_->width(), CV_32FC1);
+  const float share = 1.0F / static_cast<float>(samples_);
+  ParallelFor(threads_, blocks_.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b) {
+      for (std::size_t s = 0; s < casters.size(); ++s) {
+        const auto add = [&](RayPacket& packet, int x, int y, int count) {
+          casters[s].Complete(&packet);
+          const Shader::Lanes shaded = shader_->Shade(packet);
+          float* out = radiance.ptr<float>(y) + x;
+          for (int i = 0; i < count; ++i) {
+            out[i] += share * shaded[i];
+          }
+        };
+        TraceBlock(casters[s], blocks_[b], sample_rays_[s], add);
+      }
+    }
+  });
   return radiance;
 }
 
 cv::Mat Renderer::RenderRange(const Rigid3& T_W_C) const {
   cv::Mat range(camera_->height(), camera_->width(), CV_32FC1);
   const BeamCaster caster(world_->scene(), T_W_C);
-  ForEachPacket(caster, centre_rays_, [&](const RayPacket& packet, int x, int y, int count) {
-    std::copy_n(packet.range.begin(), count, range.ptr<float>(y) + x);
+  ParallelFor(threads_, blocks_.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b) {
+      const auto copy = [&](const RayPacket& packet, int x, int y, int count) {
+        std::copy_n(packet.range.begin(), count, range.ptr<float>(y) + x);
+      };
+      TraceBlock(caster, blocks_[b], centre_rays_, copy);
+    }
   });
   return range;
 }

@@ -17,7 +17,8 @@ struct alignas(64) RayPacket {
   std::array<float, kSize> x{}, y{}, z{};     ///< unit directions in frame A
   std::array<float, kSize> range{};           ///< [m]; infinite where nothing is hit
   std::array<std::int32_t, kSize> surface{};  ///< -1 where nothing is hit
-  std::array<float, kSize> u{}, v{};          ///< [m] on the surface; u of a cylinder is not filled
+  std::array<float, kSize> u{}, v{};          ///< [m] on the surface; u of a cylinder by Complete
+  std::array<float, kSize> cosine{};          ///< between normal and ray back; by Complete
 };
 
 /// Directions within `sin_half_angle` of a unit axis in frame A; narrower than a half space.
@@ -53,14 +54,8 @@ class BeamCaster {
   /// Trace without vector instructions beyond the baseline; gives the same bits.
   void TracePortable(const std::vector<std::int32_t>& candidates, RayPacket* packet) const;
 
-  /// Cosine between the surface's normal and the direction back along the ray; `u`, `v` as CastRay
-  /// gives.
-  float CosineOfIncidence(std::int32_t surface, const Eigen::Vector3f& direction_A, float u) const;
-
-  /// (u) [m] around a cylinder where the ray hits at `range`.
-  float AngleCoordinate(std::int32_t surface,
-                        const Eigen::Vector3f& direction_A,
-                        float range) const;
+  /// Fills in what only shading needs: `cosine` of all hits, and `u` of cylinders.
+  void Complete(RayPacket* packet) const;
 
   /// A surface as seen from the origin, in frame A.
   struct LocalSurface {

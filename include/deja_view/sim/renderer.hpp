@@ -3,8 +3,11 @@
 #include "deja_view/camera/camera.hpp"
 #include "deja_view/geometry/rigid3.hpp"
 #include "deja_view/sim/beam_caster.hpp"
+#include "deja_view/sim/shader.hpp"
 #include "deja_view/sim/world.hpp"
 
+#include <array>
+#include <cstddef>
 #include <memory>
 #include <vector>
 
@@ -43,32 +46,46 @@ class Renderer {
   static constexpr int kTile = 16;
   static constexpr int kBlock = 4;  ///< tiles per side of a block, which is culled first
 
+  /// A rectangle of pixels and the cone about its rays.
   struct Beam {
     int x = 0, y = 0;  ///< [px] top left
     int width = 0, height = 0;
     Cone cone;
   };
-  /// Unit rays in C through (x + offset) for all pixels, row by row, one array per coordinate.
-  struct RayTable {
-    std::vector<float> x, y, z;
+  struct Tile {
+    Beam beam;
+    std::size_t first_row = 0;  ///< its place in a RayTable
   };
+  struct Block {
+    Beam beam;
+    std::vector<Tile> tiles;
+  };
+  /// Unit rays in C of one row of a tile.
+  struct alignas(64) RayRow {
+    std::array<float, kTile> x, y, z;
+  };
+  /// The rows of all tiles, in the order in which they are traced.
+  using RayTable = std::vector<RayRow>;
 
-  RayTable MakeRays(const Eigen::Vector2d& offset) const;
-  void MakeBeams();
   Beam MakeBeam(int x, int y, int size) const;
+  void MakeBlocks();
+  /// Rays through all pixels, `offset` [px] off their centres.
+  RayTable MakeRays(const Eigen::Vector2d& offset) const;
   template <typename Row>
-  void ForEachPacket(const BeamCaster& caster, const RayTable& rays, const Row& row) const;
-  float Shade(const BeamCaster& caster, const RayPacket& packet, int lane) const;
+  void TraceBlock(const BeamCaster& caster,
+                  const Block& block,
+                  const RayTable& rays,
+                  const Row& row) const;
 
   std::shared_ptr<const World> world_;
   std::shared_ptr<const Camera> camera_;
   int samples_;
   int threads_;
-  float pixel_angle_;  ///< [rad] that one sample stands for
+  std::unique_ptr<const Shader> shader_;
   std::vector<RayTable> sample_rays_;
   RayTable centre_rays_;
-  std::vector<Beam> blocks_;
-  std::vector<std::vector<Beam>> tiles_;  ///< of each block
+  std::vector<Block> blocks_;
+  std::size_t row_count_ = 0;
 };
 
 /// A virtual photograph with its exact geometry.

