@@ -15,6 +15,9 @@ namespace {
 // Descriptors are counted in chunks of this size, whatever the number of threads.
 constexpr std::size_t kChunk = 8192;
 
+// Descriptors to choose the next centre from.
+constexpr int kCandidates = 4;
+
 // SplitMix64 (Steele, Lea and Flood, 2014): the same numbers with every standard library.
 class Random {
  public:
@@ -43,32 +46,35 @@ class Problem {
         kernel_(AvailableDescendKernels().front()),
         labels_(count, 0) {}
 
-  // k-means++: each centre is a descriptor, drawn with a probability proportional to its squared
-  // distance (of binary vectors: Hamming distance) from the centres so far.
+  // Greedy k-means++: of a few descriptors, drawn with a probability proportional to their squared
+  // distance (of binary vectors: Hamming distance) from the centres so far, the one that lowers the
+  // sum of distances most becomes the next centre.
   void Seed() {
     Random random(options_.seed);
     std::vector<std::uint16_t> distances(count_, 0xffffU);
-    std::size_t next = random.Below(count_);
-    while (true) {
-      centres_.push_back(descriptors_[next]);
-      ParallelFor(
-          Threads(),
-          count_,
-          [&](std::size_t begin, std::size_t end) {
-            kernel_.lower(
-                descriptors_ + begin, end - begin, centres_.back(), distances.data() + begin);
-          },
-          kChunk);
-      const std::uint64_t total =
-          std::accumulate(distances.begin(), distances.end(), std::uint64_t{0});
-      if (total == 0 || centres_.size() == static_cast<std::size_t>(options_.k)) {
+    centres_.push_back(descriptors_[random.Below(count_)]);
+    Lower(centres_.back(), &distances);
+    while (centres_.size() < static_cast<std::size_t>(options_.k)) {
+      const std::uint64_t total = Sum(distances);
+      if (total == 0) {
         return;
       }
-      std::uint64_t left = random.Below(total);
-      next = 0;
-      while (left >= distances[next]) {
-        left -= distances[next++];
+      std::vector<std::uint16_t> best;
+      std::uint64_t best_total = ~std::uint64_t{0};
+      std::size_t best_index = 0;
+      for (int i = 0; i < kCandidates; ++i) {
+        const std::size_t index = Draw(distances, random.Below(total));
+        std::vector<std::uint16_t> lowered = distances;
+        Lower(descriptors_[index], &lowered);
+        const std::uint64_t lowered_total = Sum(lowered);
+        if (lowered_total < best_total) {
+          best_total = lowered_total;
+          best_index = index;
+          best = std::move(lowered);
+        }
       }
+      centres_.push_back(descriptors_[best_index]);
+      distances = std::move(best);
     }
   }
 
@@ -139,6 +145,29 @@ class Problem {
   }
 
  private:
+  static std::uint64_t Sum(const std::vector<std::uint16_t>& distances) {
+    return std::accumulate(distances.begin(), distances.end(), std::uint64_t{0});
+  }
+
+  // The index at which the running sum of distances passes `position`.
+  static std::size_t Draw(const std::vector<std::uint16_t>& distances, std::uint64_t position) {
+    std::size_t index = 0;
+    while (position >= distances[index]) {
+      position -= distances[index++];
+    }
+    return index;
+  }
+
+  void Lower(const Descriptor& centre, std::vector<std::uint16_t>* distances) const {
+    ParallelFor(
+        Threads(),
+        count_,
+        [&](std::size_t begin, std::size_t end) {
+          kernel_.lower(descriptors_ + begin, end - begin, centre, distances->data() + begin);
+        },
+        kChunk);
+  }
+
   int Threads() const { return count_ < 2 * kChunk ? 1 : options_.threads; }
 
   const KMeansOptions& options_;

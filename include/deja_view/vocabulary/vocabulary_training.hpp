@@ -39,8 +39,8 @@ struct TrainOptions {
 /// final, out of as many as are known so far.
 using TrainProgress = std::function<void(std::size_t done, std::size_t total)>;
 
-/// Trains a vocabulary by hierarchical k-means in Hamming space: k-means++ seeding (Arthur and
-/// Vassilvitskii, SODA 2007; the squared Euclidean distance of binary vectors is their Hamming
+/// Trains a vocabulary by hierarchical k-means in Hamming space: greedy k-means++ seeding (Arthur
+/// and Vassilvitskii, SODA 2007; the squared Euclidean distance of binary vectors is their Hamming
 /// distance), bitwise majority as mean, a node with at most k distinct descriptors becomes their
 /// parent. Weights are idf = log(images / images that show the word), `images[i]` being the
 /// descriptors of one image. Deterministic in (images, options). Throws InputError when there is no
