@@ -5,13 +5,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace deja_view::sim {
 namespace {
 
 constexpr double kTwoPi = 6.283185307179586;
-constexpr double kStep = 0.5;  // [s] between knots
-constexpr double kRamp = 1.5;  // [s] to speed up and to slow down
+constexpr double kStep = 0.5;       // [s] between knots
+constexpr double kRamp = 1.5;       // [s] to speed up and to slow down
+constexpr double kMostSpeed = 1.6;  // momentary over mean
 constexpr std::uint64_t kStream = 30;
 
 double SmoothStep(double x) {
@@ -123,30 +125,48 @@ std::vector<QuinticSpline::Value> FlightPlanner::ControlPoints(double speed, dou
   return points;
 }
 
-/// Moves points that are too near to something along the gradient of the clearance.
-void FlightPlanner::PushAway(double clearance, std::vector<QuinticSpline::Value>* points) const {
+/// Step [m] away from what is nearer than `clearance`, along the gradient of the clearance; 0 where
+/// there is room.
+Eigen::Vector3d FlightPlanner::Escape(const Eigen::Vector3d& p, double clearance) const {
   constexpr double kDelta = 1e-3;
-  for (int round = 0; round < 40; ++round) {
+  const double missing = clearance - world_.Clearance(p);
+  if (missing <= 0) {
+    return Eigen::Vector3d::Zero();
+  }
+  Eigen::Vector3d gradient;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Eigen::Vector3d delta = kDelta * Eigen::Vector3d::Unit(axis);
+    gradient[axis] = world_.Clearance(p + delta) - world_.Clearance(p - delta);
+  }
+  return (0.6 * missing + 0.01) * gradient.normalized();
+}
+
+/// Bends the path around what is too near. The displacements are smoothed along the path in every
+/// round, so that the flight swerves in time instead of jerking aside.
+void FlightPlanner::PushAway(double clearance, std::vector<QuinticSpline::Value>* points) const {
+  const std::vector<QuinticSpline::Value> planned = *points;
+  const std::size_t count = points->size();
+  std::vector<Eigen::Vector3d> aside(count, Eigen::Vector3d::Zero());
+  for (int round = 0; round < 60; ++round) {
     bool moved = false;
-    for (QuinticSpline::Value& value : *points) {
-      Eigen::Vector3d p = value.head<3>();
-      const double missing = clearance - world_.Clearance(p);
-      if (missing <= 0) {
-        continue;
-      }
-      Eigen::Vector3d gradient;
-      for (int axis = 0; axis < 3; ++axis) {
-        const Eigen::Vector3d delta = kDelta * Eigen::Vector3d::Unit(axis);
-        gradient[axis] = world_.Clearance(p + delta) - world_.Clearance(p - delta);
-      }
-      if (gradient.norm() > 0) {
-        value.head<3>() += (0.6 * missing + 0.01) * gradient.normalized();
-        moved = true;
-      }
+    for (std::size_t i = 0; i < count; ++i) {
+      const Eigen::Vector3d step = Escape(planned[i].head<3>() + aside[i], clearance);
+      moved |= step.squaredNorm() > 0;
+      aside[i] += step;
     }
     if (!moved) {
-      return;
+      break;
     }
+    std::vector<Eigen::Vector3d> smooth = aside;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Eigen::Vector3d& before = aside[i > 0 ? i - 1 : 0];
+      const Eigen::Vector3d& after = aside[std::min(i + 1, count - 1)];
+      smooth[i] = 0.5 * aside[i] + 0.25 * (before + after);
+    }
+    aside = smooth;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    (*points)[i].head<3>() += aside[i];
   }
 }
 
@@ -156,6 +176,14 @@ double FlightPlanner::LeastClearance(const QuinticSpline& spline) const {
     least = std::min(least, world_.Clearance(spline.Evaluate(t, 0).head<3>()));
   }
   return least;
+}
+
+double FlightPlanner::LargestSpeed(const QuinticSpline& spline) const {
+  double largest = 0;
+  for (double t = 0; t <= options_.duration_s; t += 0.05) {
+    largest = std::max(largest, spline.Evaluate(t, 1).head<3>().norm());
+  }
+  return largest;
 }
 
 double FlightPlanner::LargestYawRate(const QuinticSpline& spline) const {
@@ -171,18 +199,19 @@ QuinticSpline FlightPlanner::Plan() {
   double speed = options_.mean_speed_m_s;
   double wander = 1.0;
   double margin = 0.1;
-  for (int attempt = 0; attempt < 25; ++attempt) {
+  for (int attempt = 0; attempt < 60; ++attempt) {
     auto points = ControlPoints(speed, wander);
     PushAway(options_.clearance_m + margin, &points);
     const QuinticSpline spline(std::move(points), kStep);
-    const bool turns_too_fast = LargestYawRate(spline) > max_yaw_rate;
-    if (turns_too_fast) {
-      wander *= 0.85;
-      speed *= 0.97;
-    } else if (LeastClearance(spline) >= options_.clearance_m) {
-      return spline;
-    } else {
+    if (LeastClearance(spline) < options_.clearance_m) {
       margin += 0.05;
+    } else if (LargestYawRate(spline) > max_yaw_rate) {
+      wander *= 0.85;
+      speed *= 0.98;
+    } else if (LargestSpeed(spline) > kMostSpeed * options_.mean_speed_m_s) {
+      speed *= 0.95;
+    } else {
+      return spline;
     }
   }
   ThrowInputError("flight.clearance_m: no way through the hall keeps {} m from everything",

@@ -40,8 +40,10 @@ class FlightPlanner {
   double HeadingAt(double angle) const;
   double SpeedAt(double t) const;
   std::vector<QuinticSpline::Value> ControlPoints(double speed, double wander) const;
+  Eigen::Vector3d Escape(const Eigen::Vector3d& p, double clearance) const;
   void PushAway(double clearance, std::vector<QuinticSpline::Value>* points) const;
   double LeastClearance(const QuinticSpline& spline) const;
+  double LargestSpeed(const QuinticSpline& spline) const;
   double LargestYawRate(const QuinticSpline& spline) const;
 
   const World& world_;

@@ -120,7 +120,7 @@ SimOptions MakePreset(const std::string& name) {
     return options;
   }
   if (name == "weak_texture") {
-    options.world.texture_strength = 0.3;
+    options.world.texture_strength = 0.5;
     options.world.posters = 10;
   } else if (name == "repeated") {
     options.world.repetition = 0.9;

@@ -59,8 +59,8 @@ void VioDrift::DrawNoise(const FlightPath& path, const VioOptions& options, std:
   Markov vx(4.0, &rng);
   Markov vy(4.0, &rng);
   Markov vz(4.0, &rng);
-  Markov roll(12.0, &rng);
-  Markov pitch(12.0, &rng);
+  Markov roll(20.0, &rng);
+  Markov pitch(20.0, &rng);
   const double tilt = options.tilt_noise_deg * 3.14159265358979 / 180.0;
   const auto steps = static_cast<std::size_t>(std::ceil(path.duration() / kStep)) + 1;
   for (std::size_t i = 0; i < steps; ++i) {

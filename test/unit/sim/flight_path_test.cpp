@@ -26,12 +26,12 @@ TEST_P(FlightPathTest, KeepsItsLimits) {
   double fastest = 0;
   for (double t = 0; t <= path.duration(); t += 0.01) {
     EXPECT_GE(TinyWorld()->Clearance(path.Pose(t).t), options.clearance_m - 1e-3);
-    EXPECT_LT(path.AngularVelocity(t).norm(), 1.2);
+    EXPECT_LT(path.AngularVelocity(t).norm(), 1.0);
     EXPECT_LT(path.Acceleration(t).norm(), 3.0);
     fastest = std::max(fastest, path.Velocity(t).norm());
   }
   EXPECT_GT(fastest, 0.6);
-  EXPECT_LT(fastest, 1.9);
+  EXPECT_LT(fastest, 1.65);
   EXPECT_LT(path.Velocity(0.1).norm(), 1e-6);
   EXPECT_GT(path.Length(), 25);
 }
