@@ -1,7 +1,6 @@
 #include "accumulate.hpp"
 
 #include <algorithm>
-#include <type_traits>
 
 #if defined(__x86_64__)
 #include <immintrin.h>
@@ -15,62 +14,109 @@
 namespace deja_view::internal {
 namespace {
 
-// 16 kB of 32-bit sums
-constexpr std::uint32_t kPartWords = 4096 / 32;
-
 template <typename Sum>
-void AddBitmapPortable(const std::uint32_t* bitmap, std::uint32_t words, Sum weight, Sum* sums) {
-  for (std::uint32_t word = 0; word < words; ++word, sums += 32) {
-    for (std::uint32_t bits = bitmap[word]; bits != 0; bits &= bits - 1) {
-      sums[__builtin_ctz(bits)] += weight;
+void AddBitmapsPortable(const std::vector<WeightedBitmap<Sum>>& bitmaps, Sum* sums) {
+  for (const WeightedBitmap<Sum>& bitmap : bitmaps) {
+    Sum* here = sums;
+    for (std::uint32_t word = 0; word < bitmap.words; ++word, here += 32) {
+      for (std::uint32_t bits = bitmap.bits[word]; bits != 0; bits &= bits - 1) {
+        here[__builtin_ctz(bits)] += bitmap.weight;
+      }
     }
   }
+}
+
+template <typename Sum>
+std::uint32_t MostWords(const std::vector<WeightedBitmap<Sum>>& bitmaps) {
+  std::uint32_t words = 0;
+  for (const WeightedBitmap<Sum>& bitmap : bitmaps) {
+    words = std::max(words, bitmap.words);
+  }
+  return words;
 }
 
 #if defined(__x86_64__)
-__attribute__((target("avx2"))) void AddBitmapAvx2(const std::uint32_t* bitmap,
-                                                   std::uint32_t words,
-                                                   std::uint32_t weight,
-                                                   std::uint32_t* sums) {
-  const __m256i weights = _mm256_set1_epi32(static_cast<int>(weight));
+// 64 slots at a time in eight registers.
+__attribute__((target("avx2"))) void AddBitmapsAvx2(
+    const std::vector<WeightedBitmap<std::uint32_t>>& bitmaps, std::uint32_t* sums) {
   const __m256i lanes = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
-  for (std::uint32_t word = 0; word < words; ++word) {
-    for (std::uint32_t bits = bitmap[word], i = word * 32; bits != 0; bits >>= 8U, i += 8) {
-      const __m256i selected = _mm256_and_si256(_mm256_set1_epi32(static_cast<int>(bits)), lanes);
-      const __m256i mask = _mm256_cmpeq_epi32(selected, lanes);
-      auto* sum = reinterpret_cast<__m256i*>(sums + i);
-      _mm256_storeu_si256(
-          sum, _mm256_add_epi32(_mm256_loadu_si256(sum), _mm256_and_si256(mask, weights)));
+  const std::uint32_t words = MostWords(bitmaps);
+  for (std::uint32_t word = 0; word < words; word += 2) {
+    auto* here = reinterpret_cast<__m256i*>(sums + word * 32);
+    __m256i sum[8];
+    for (int i = 0; i < 8; ++i) {
+      sum[i] = _mm256_loadu_si256(here + i);
+    }
+    for (const WeightedBitmap<std::uint32_t>& bitmap : bitmaps) {
+      if (word >= bitmap.words) {
+        continue;
+      }
+      const __m256i weight = _mm256_set1_epi32(static_cast<int>(bitmap.weight));
+      for (unsigned i = 0; i < 8; ++i) {
+        const auto bits = static_cast<int>(bitmap.bits[word + i / 4] >> (8 * (i % 4)));
+        const __m256i mask =
+            _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(bits), lanes), lanes);
+        sum[i] = _mm256_add_epi32(sum[i], _mm256_and_si256(mask, weight));
+      }
+    }
+    for (int i = 0; i < 8; ++i) {
+      _mm256_storeu_si256(here + i, sum[i]);
     }
   }
 }
 
-__attribute__((target("avx512f"))) void AddBitmapAvx512(const std::uint32_t* bitmap,
-                                                        std::uint32_t words,
-                                                        std::uint32_t weight,
-                                                        std::uint32_t* sums) {
-  const __m512i weights = _mm512_set1_epi32(static_cast<int>(weight));
-  for (std::uint32_t word = 0; word < words; ++word, sums += 32) {
-    const std::uint32_t bits = bitmap[word];
-    const __m512i low = _mm512_loadu_si512(sums);
-    const __m512i high = _mm512_loadu_si512(sums + 16);
-    _mm512_storeu_si512(sums,
-                        _mm512_mask_add_epi32(low, static_cast<__mmask16>(bits), low, weights));
-    _mm512_storeu_si512(
-        sums + 16, _mm512_mask_add_epi32(high, static_cast<__mmask16>(bits >> 16U), high, weights));
+// A block of 128 slots at a time in eight registers.
+__attribute__((target("avx512f"))) void AddBitmapsAvx512(
+    const std::vector<WeightedBitmap<std::uint32_t>>& bitmaps, std::uint32_t* sums) {
+  const std::uint32_t words = MostWords(bitmaps);
+  for (std::uint32_t word = 0; word < words; word += kBlockWords) {
+    std::uint32_t* here = sums + word * 32;
+    __m512i sum[2 * kBlockWords];
+    for (unsigned i = 0; i < 2 * kBlockWords; ++i) {
+      sum[i] = _mm512_loadu_si512(here + 16 * i);
+    }
+    for (const WeightedBitmap<std::uint32_t>& bitmap : bitmaps) {
+      if (word >= bitmap.words) {
+        continue;
+      }
+      const std::uint32_t* bits = bitmap.bits + word;
+      __builtin_prefetch(bits + 16);
+      const __m512i weight = _mm512_set1_epi32(static_cast<int>(bitmap.weight));
+      for (unsigned i = 0; i < 2 * kBlockWords; ++i) {
+        const auto mask = static_cast<__mmask16>(bits[i / 2] >> (16 * (i % 2)));
+        sum[i] = _mm512_mask_add_epi32(sum[i], mask, sum[i], weight);
+      }
+    }
+    for (unsigned i = 0; i < 2 * kBlockWords; ++i) {
+      _mm512_storeu_si512(here + 16 * i, sum[i]);
+    }
   }
 }
 
-__attribute__((target("avx512f"))) void AddBitmap64Avx512(const std::uint32_t* bitmap,
-                                                          std::uint32_t words,
-                                                          std::uint64_t weight,
-                                                          std::uint64_t* sums) {
-  const __m512i weights = _mm512_set1_epi64(static_cast<std::int64_t>(weight));
-  for (std::uint32_t word = 0; word < words; ++word) {
-    for (std::uint32_t bits = bitmap[word], i = word * 32; bits != 0; bits >>= 8U, i += 8) {
-      const __m512i sum = _mm512_loadu_si512(sums + i);
-      _mm512_storeu_si512(sums + i,
-                          _mm512_mask_add_epi64(sum, static_cast<__mmask8>(bits), sum, weights));
+// 64 slots at a time in eight registers.
+__attribute__((target("avx512f"))) void AddBitmaps64Avx512(
+    const std::vector<WeightedBitmap<std::uint64_t>>& bitmaps, std::uint64_t* sums) {
+  const std::uint32_t words = MostWords(bitmaps);
+  for (std::uint32_t word = 0; word < words; word += 2) {
+    std::uint64_t* here = sums + word * 32;
+    __m512i sum[8];
+    for (unsigned i = 0; i < 8; ++i) {
+      sum[i] = _mm512_loadu_si512(here + 8 * i);
+    }
+    for (const WeightedBitmap<std::uint64_t>& bitmap : bitmaps) {
+      if (word >= bitmap.words) {
+        continue;
+      }
+      const std::uint32_t* bits = bitmap.bits + word;
+      __builtin_prefetch(bits + 16);
+      const __m512i weight = _mm512_set1_epi64(static_cast<std::int64_t>(bitmap.weight));
+      for (unsigned i = 0; i < 8; ++i) {
+        const auto mask = static_cast<__mmask8>(bits[i / 4] >> (8 * (i % 4)));
+        sum[i] = _mm512_mask_add_epi64(sum[i], mask, sum[i], weight);
+      }
+    }
+    for (unsigned i = 0; i < 8; ++i) {
+      _mm512_storeu_si512(here + 8 * i, sum[i]);
     }
   }
 }
@@ -83,38 +129,15 @@ std::vector<AccumulateKernel> AvailableAccumulateKernels() {
 #if defined(__x86_64__)
   __builtin_cpu_init();
   if (__builtin_cpu_supports("avx512f")) {
-    kernels.push_back({"avx512", &AddBitmapAvx512, &AddBitmap64Avx512});
+    kernels.push_back({"avx512", &AddBitmapsAvx512, &AddBitmaps64Avx512});
   }
   if (__builtin_cpu_supports("avx2")) {
-    kernels.push_back({"avx2", &AddBitmapAvx2, &AddBitmapPortable<std::uint64_t>});
+    kernels.push_back({"avx2", &AddBitmapsAvx2, &AddBitmapsPortable<std::uint64_t>});
   }
 #endif
   kernels.push_back(
-      {"portable", &AddBitmapPortable<std::uint32_t>, &AddBitmapPortable<std::uint64_t>});
+      {"portable", &AddBitmapsPortable<std::uint32_t>, &AddBitmapsPortable<std::uint64_t>});
   return kernels;
 }
-
-template <typename Sum>
-void Accumulator<Sum>::Finish() {
-  const std::uint32_t words = (slots_ + 31) / 32;
-  for (std::uint32_t begin = 0; begin < words; begin += kPartWords) {
-    for (const Bitmap& bitmap : bitmaps_) {
-      const std::uint32_t end = std::min({bitmap.words, begin + kPartWords, words});
-      if (begin < end) {
-        const std::uint32_t* bits = bitmap.bits + begin;
-        Sum* sums = bitmap.sums + begin * 32;
-        if constexpr (std::is_same_v<Sum, std::uint32_t>) {
-          kernel_.add_bitmap(bits, end - begin, bitmap.weight, sums);
-        } else {
-          kernel_.add_bitmap_64(bits, end - begin, bitmap.weight, sums);
-        }
-      }
-    }
-  }
-  bitmaps_.clear();
-}
-
-template class Accumulator<std::uint32_t>;
-template class Accumulator<std::uint64_t>;
 
 }  // namespace deja_view::internal

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -7,67 +9,78 @@
 
 namespace deja_view::internal {
 
-/// sums[slot] += weight for every slot of a bitmap of `words` x 32 slots.
-using AddBitmapFunction = void (*)(const std::uint32_t* bitmap,
-                                   std::uint32_t words,
-                                   std::uint32_t weight,
-                                   std::uint32_t* sums);
-using AddBitmap64Function = void (*)(const std::uint32_t* bitmap,
-                                     std::uint32_t words,
-                                     std::uint64_t weight,
-                                     std::uint64_t* sums);
+/// A bitmap of slots, and what to add to the sum of each.
+template <typename Sum>
+struct WeightedBitmap {
+  const std::uint32_t* bits;
+  std::uint32_t words;  ///< a multiple of kBlockWords
+  Sum weight;
+};
+
+/// sums[slot] += weight for all slots of all bitmaps.
+template <typename Sum>
+using AddBitmapsFunction = void (*)(const std::vector<WeightedBitmap<Sum>>& bitmaps, Sum* sums);
 
 /// One implementation; all give the same sums.
 struct AccumulateKernel {
   const char* name;
-  AddBitmapFunction add_bitmap;
-  AddBitmap64Function add_bitmap_64;
+  AddBitmapsFunction<std::uint32_t> add_32;
+  AddBitmapsFunction<std::uint64_t> add_64;
+
+  void Add(const std::vector<WeightedBitmap<std::uint32_t>>& bitmaps, std::uint32_t* sums) const {
+    add_32(bitmaps, sums);
+  }
+  void Add(const std::vector<WeightedBitmap<std::uint64_t>>& bitmaps, std::uint64_t* sums) const {
+    add_64(bitmaps, sums);
+  }
 };
 
 /// The implementations that this processor can run, the fastest first.
 std::vector<AccumulateKernel> AvailableAccumulateKernels();
 
-/// Adds weights to the sums of all slots that sets hold. Lists are added at once, bitmaps are kept
-/// until Finish, which goes through them together, a part of the slots at a time, so that sums stay
-/// in the nearest cache.
+/// Sums of weights per slot.
 template <typename Sum>
-class Accumulator {
+class SlotSums {
  public:
-  Accumulator(const AccumulateKernel& kernel, std::uint32_t slots)
-      : kernel_(kernel), slots_(slots) {}
+  explicit SlotSums(std::uint32_t slots) : sums_(Padded(slots), 0) {}
 
-  /// `sums` has room for PaddedSlots(slots) and outlives Finish. Unsigned: adding a negative number
-  /// wraps around, as it should.
-  void Add(const SlotSet& set, Sum weight, Sum* sums) {
+  /// Room for whole blocks of a bitmap.
+  static std::size_t Padded(std::uint32_t slots) {
+    return (slots / (32 * kBlockWords) + 1) * std::size_t{32 * kBlockWords};
+  }
+
+  Sum operator[](std::uint32_t slot) const { return sums_[slot]; }
+  Sum& operator[](std::uint32_t slot) { return sums_[slot]; }
+  Sum* data() { return sums_.data(); }
+  const Sum* data() const { return sums_.data(); }
+  void Resize(std::uint32_t slots) { sums_.resize(Padded(slots), 0); }
+  std::size_t memory_bytes() const { return sums_.capacity() * sizeof(Sum); }
+
+  /// Adds `weight`, which may be a negative number modulo 2^n, to the sum of every slot of `set`. A
+  /// list is added at once; a bitmap waits for Finish, which goes through all of them together, so
+  /// that each sum is loaded and stored once. `set` must stay as it is until then.
+  void Add(const SlotSet& set, Sum weight) {
     if (set.is_bitmap()) {
-      bitmaps_.push_back({set.bitmap(), set.bitmap_words(), weight, sums});
+      // A bitmap may reach beyond the last slot.
+      const auto words = static_cast<std::uint32_t>(sums_.size() / 32);
+      bitmaps_.push_back({set.bitmap(), std::min(set.bitmap_words(), words), weight});
       return;
     }
     const std::uint32_t* list = set.list();
+    Sum* sums = sums_.data();
     for (std::uint32_t i = 0, size = set.size(); i < size; ++i) {
       sums[list[i]] += weight;
     }
   }
 
-  void Finish();
-
-  /// Bitmaps are padded to whole words.
-  static std::uint32_t PaddedSlots(std::uint32_t slots) { return (slots + 63) / 64 * 64; }
+  void Finish(const AccumulateKernel& kernel) {
+    kernel.Add(bitmaps_, sums_.data());
+    bitmaps_.clear();
+  }
 
  private:
-  struct Bitmap {
-    const std::uint32_t* bits;
-    std::uint32_t words;
-    Sum weight;
-    Sum* sums;
-  };
-
-  AccumulateKernel kernel_;
-  std::uint32_t slots_;
-  std::vector<Bitmap> bitmaps_;
+  std::vector<Sum> sums_;
+  std::vector<WeightedBitmap<Sum>> bitmaps_;
 };
-
-extern template class Accumulator<std::uint32_t>;
-extern template class Accumulator<std::uint64_t>;
 
 }  // namespace deja_view::internal

@@ -3,18 +3,9 @@
 #include <algorithm>
 
 namespace deja_view::internal {
-namespace {
-
-template <typename Sum>
-void Pad(std::uint32_t slots, std::vector<Sum>* sums) {
-  sums->resize(Accumulator<Sum>::PaddedSlots(slots));
-}
-
-}  // namespace
-
 void L1Norms::Resize(std::uint32_t slots) {
-  Pad(slots, &count_sums_);
-  Pad(slots, &log_sums_);
+  count_sums_.Resize(slots);
+  log_sums_.Resize(slots);
 }
 
 void L1Norms::Set(std::uint32_t slot, const WordWeights& weights, const BowVector& bow) {
@@ -35,25 +26,26 @@ void L1Norms::Clear(std::uint32_t slot) {
   log_sums_[slot] = 0;
 }
 
-void L1Norms::ChangeLogDf(const WordSlots& word,
-                          std::int32_t before,
-                          std::int32_t after,
-                          Accumulator<Sum>* accumulator) {
+void L1Norms::ChangeLogDf(const WordSlots& word, std::int32_t before, std::int32_t after) {
   const auto change = static_cast<Sum>(after - before);
-  accumulator->Add(word.all, change, log_sums_.data());
+  log_sums_.Add(word.all, change);
   for (std::uint32_t i = 0; i < word.repeats.size(); ++i) {
     log_sums_[word.repeats.slot(i)] += change * (word.repeats.count(i) - 1);
   }
 }
 
+void L1Norms::Finish(const AccumulateKernel& kernel) {
+  log_sums_.Finish(kernel);
+}
+
 std::size_t L1Norms::memory_bytes() const {
-  return (count_sums_.capacity() + log_sums_.capacity()) * sizeof(Sum);
+  return count_sums_.memory_bytes() + log_sums_.memory_bytes();
 }
 
 void SquaredNorms::Resize(std::uint32_t slots) {
-  Pad(slots, &count_sums_);
-  Pad(slots, &log_sums_);
-  Pad(slots, &squared_log_sums_);
+  count_sums_.Resize(slots);
+  log_sums_.Resize(slots);
+  squared_log_sums_.Resize(slots);
 }
 
 void SquaredNorms::Set(std::uint32_t slot, const WordWeights& weights, const BowVector& bow) {
@@ -77,14 +69,11 @@ void SquaredNorms::Clear(std::uint32_t slot) {
   squared_log_sums_[slot] = 0;
 }
 
-void SquaredNorms::ChangeLogDf(const WordSlots& word,
-                               std::int32_t before,
-                               std::int32_t after,
-                               Accumulator<Sum>* accumulator) {
+void SquaredNorms::ChangeLogDf(const WordSlots& word, std::int32_t before, std::int32_t after) {
   const auto a = static_cast<Sum>(before);
   const auto b = static_cast<Sum>(after);
-  accumulator->Add(word.all, b - a, log_sums_.data());
-  accumulator->Add(word.all, b * b - a * a, squared_log_sums_.data());
+  log_sums_.Add(word.all, b - a);
+  squared_log_sums_.Add(word.all, b * b - a * a);
   for (std::uint32_t i = 0; i < word.repeats.size(); ++i) {
     const Sum count = word.repeats.count(i);
     const std::uint32_t slot = word.repeats.slot(i);
@@ -93,9 +82,13 @@ void SquaredNorms::ChangeLogDf(const WordSlots& word,
   }
 }
 
+void SquaredNorms::Finish(const AccumulateKernel& kernel) {
+  log_sums_.Finish(kernel);
+  squared_log_sums_.Finish(kernel);
+}
+
 std::size_t SquaredNorms::memory_bytes() const {
-  return (count_sums_.capacity() + log_sums_.capacity() + squared_log_sums_.capacity()) *
-         sizeof(Sum);
+  return count_sums_.memory_bytes() + log_sums_.memory_bytes() + squared_log_sums_.memory_bytes();
 }
 
 }  // namespace deja_view::internal

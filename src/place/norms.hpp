@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "accumulate.hpp"
 #include "similarity.hpp"
@@ -28,10 +27,8 @@ class L1Norms {
   void Clear(std::uint32_t slot);
 
   /// log df of a word went from `before` to `after`. To be followed by Finish before sets change.
-  void ChangeLogDf(const WordSlots& word,
-                   std::int32_t before,
-                   std::int32_t after,
-                   Accumulator<Sum>* accumulator);
+  void ChangeLogDf(const WordSlots& word, std::int32_t before, std::int32_t after);
+  void Finish(const AccumulateKernel& kernel);
 
   std::uint64_t Get(std::uint32_t slot, const WordWeights& weights) const {
     // Frozen: the collection's logarithm is 0 and log_sums_ holds the negative norm.
@@ -42,8 +39,8 @@ class L1Norms {
   std::size_t memory_bytes() const;
 
  private:
-  std::vector<Sum> count_sums_;
-  std::vector<Sum> log_sums_;  // modulo 2^32, as the difference is below
+  SlotSums<Sum> count_sums_{0};
+  SlotSums<Sum> log_sums_{0};  // modulo 2^32, as the difference is below
 };
 
 /// |b|_2^2 = sum_i (w_i b_i)^2 of every slot; as L1Norms with
@@ -55,10 +52,8 @@ class SquaredNorms {
   void Resize(std::uint32_t slots);
   void Set(std::uint32_t slot, const WordWeights& weights, const BowVector& bow);
   void Clear(std::uint32_t slot);
-  void ChangeLogDf(const WordSlots& word,
-                   std::int32_t before,
-                   std::int32_t after,
-                   Accumulator<Sum>* accumulator);
+  void ChangeLogDf(const WordSlots& word, std::int32_t before, std::int32_t after);
+  void Finish(const AccumulateKernel& kernel);
 
   std::uint64_t Get(std::uint32_t slot, const WordWeights& weights) const {
     const auto log_collection = static_cast<std::uint64_t>(weights.log_collection());
@@ -69,9 +64,9 @@ class SquaredNorms {
   std::size_t memory_bytes() const;
 
  private:
-  std::vector<Sum> count_sums_;
-  std::vector<Sum> log_sums_;
-  std::vector<Sum> squared_log_sums_;  // frozen: the norm itself
+  SlotSums<Sum> count_sums_{0};
+  SlotSums<Sum> log_sums_{0};
+  SlotSums<Sum> squared_log_sums_{0};  // frozen: the norm itself
 };
 
 }  // namespace deja_view::internal

@@ -31,14 +31,13 @@ std::uint32_t PlaceIndex<Norms>::TakeSlot() {
 template <typename Norms>
 void PlaceIndex<Norms>::ChangeDf(const BowVector& bow, std::int64_t change) {
   weights_.SetEntries(static_cast<std::uint32_t>(static_cast<std::int64_t>(size()) + change));
-  Accumulator<typename Norms::Sum> accumulator(kernel_, static_cast<std::uint32_t>(slots_.size()));
   for (const WordCount& entry : bow.entries) {
     const WordSlots& word = words_[entry.word];
     const std::int32_t before = weights_.log_df(entry.word);
     weights_.SetDf(entry.word, static_cast<std::uint32_t>(word.all.size() + change));
-    norms_.ChangeLogDf(word, before, weights_.log_df(entry.word), &accumulator);
+    norms_.ChangeLogDf(word, before, weights_.log_df(entry.word));
   }
-  accumulator.Finish();
+  norms_.Finish(kernel_);
 }
 
 template <typename Norms>

@@ -2,78 +2,75 @@
 #include <cmath>
 
 #include "best_matches.hpp"
+#include "l1_filter.hpp"
 #include "place_index.hpp"
 
 namespace deja_view::internal {
 namespace {
 
-// Slack for thresholds that are compared before the last rounding of a score.
-constexpr double kRounding = 1 - 1e-9;
-
 bool IsWanted(const SlotEntry& entry, const PlaceQuery& query) {
   return entry.is_used && entry.id >= query.min_id && entry.id <= query.max_id;
 }
 
-/// Sums over the words that the query and a slot share, of w min(a |b|, b |a|) in parts.
-///
-/// a and b are nearly always 1, and |a| and |b| nearly equal, so nearly every word adds w min(|a|,
-/// |b|). To add only a constant per slot and word, the sums are kept in parts, with |a| and |b|
-/// multiplied at the end:
-///   once     sum of w, words with a = 1                         x min(|a|, |b|)
-///   more     sum of w, words with a > 1                         x |a|, if 2 |b| >= |a|
-///   repeats  sum of w, words with a = 1, b > 1                  x min(|b|, 2 |a|) - min(|b|, |a|)
-///   rest     what these leave out of the words with a > 1 and b > 1, and, for |b| > 2 |a|, of
-///   those with
-///            a = 1, b > 2; |a| and |b| already multiplied
-/// For 2 |b| < |a| this is an upper bound; such a slot is scored from scratch when the bound lets
-/// it.
+// Calls f(entry, word) for the query's words; what a word's slots need is on its way from memory
+// meanwhile.
+template <typename Index, typename F>
+void ForEachWord(const Index& index, const BowVector& bow, F f) {
+  constexpr std::size_t kAhead = 8;
+  const std::vector<WordCount>& entries = bow.entries;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    if (i + 2 * kAhead < entries.size()) {
+      __builtin_prefetch(&index.word(entries[i + 2 * kAhead].word));
+    }
+    if (i + kAhead < entries.size()) {
+      const WordSlots& word = index.word(entries[i + kAhead].word);
+      word.all.Prefetch();
+      word.repeats.Prefetch();
+    }
+    f(entries[i], index.word(entries[i].word));
+  }
+}
+
+/// The sums of L1Parts for one query.
 class L1Sums {
  public:
   L1Sums(const PlaceIndex<L1Norms>& index, const BowVector& bow)
-      : index_(index), norm_(L1Norm(index.weights(), bow)) {
-    const auto slots = static_cast<std::uint32_t>(index.slots().size());
-    const std::uint32_t padded = Accumulator<std::uint32_t>::PaddedSlots(slots);
-    norms_.resize(padded);
-    for (std::uint32_t slot = 0; slot < slots; ++slot) {
+      : index_(index),
+        slots_(static_cast<std::uint32_t>(index.slots().size())),
+        norm_(L1Norm(index.weights(), bow)),
+        norms_(slots_),
+        once_(slots_),
+        more_(slots_),
+        repeats_(slots_),
+        rest_(slots_) {
+    std::uint32_t longest = 0;
+    for (std::uint32_t slot = 0; slot < slots_; ++slot) {
       norms_[slot] = static_cast<std::uint32_t>(index.Norm(slot));
+      longest = std::max(longest, norms_[slot]);
     }
-    has_long_ = slots > 0 && *std::max_element(norms_.begin(), norms_.end()) > 2 * norm_;
-    once_.resize(padded);
-    more_.resize(padded);
-    repeats_.resize(padded);
-    rest_.resize(padded);
-    Accumulator<std::uint32_t> accumulator(index.kernel(), slots);
-    for (const WordCount& entry : bow.entries) {
-      Add(entry, &accumulator);
-    }
-    accumulator.Finish();
+    has_long_ = longest > 2 * norm_;
+    ForEachWord(
+        index, bow, [this](const WordCount& entry, const WordSlots& word) { Add(entry, word); });
+    once_.Finish(index.kernel());
+    more_.Finish(index.kernel());
   }
 
-  std::uint64_t norm() const { return norm_; }
-  std::uint64_t norm(std::uint32_t slot) const { return norms_[slot]; }
-
-  bool IsExact(std::uint32_t slot) const { return 2 * norm(slot) >= norm_; }
-
-  std::uint64_t Common(std::uint32_t slot) const {
-    const std::uint64_t b = norms_[slot];
-    const std::uint64_t least = std::min(norm_, b);
-    return once_[slot] * least + more_[slot] * norm_ +
-           repeats_[slot] * (std::min(b, 2 * norm_) - least) + rest_[slot];
+  L1Parts Parts() const {
+    return {norm_, norms_.data(), once_.data(), more_.data(), repeats_.data(), rest_.data()};
   }
 
  private:
-  void Add(const WordCount& entry, Accumulator<std::uint32_t>* accumulator) {
+  void Add(const WordCount& entry, const WordSlots& word) {
     const auto weight = static_cast<std::uint32_t>(index_.weights()[entry.word]);
-    const WordSlots& word = index_.word(entry.word);
     if (weight == 0) {
       return;
     }
     if (entry.count > 1) {
-      accumulator->Add(word.all, weight, more_.data());
+      more_.Add(word.all, weight);
       AddRest(word.repeats, weight, std::min(entry.count, kMaxCount), norm_);
       return;
     }
-    accumulator->Add(word.all, weight, once_.data());
+    once_.Add(word.all, weight);
     for (std::uint32_t i = 0, size = word.repeats.size(); i < size; ++i) {
       repeats_[word.repeats.slot(i)] += weight;
     }
@@ -82,27 +79,29 @@ class L1Sums {
     }
   }
 
-  // Adds w (min(a |b|, b |a|) - min(|b|, counted)) where `counted` is below |b|, or a > 1.
+  // Adds w (min(a |b|, b |a|) - what the other parts hold of it): |a| where a > 1, else min(|b|, 2
+  // |a|).
   void AddRest(const RepeatList& repeats,
                std::uint64_t weight,
                std::uint64_t count,
-               std::uint64_t counted) {
+               std::uint64_t held) {
     for (std::uint32_t i = 0, size = repeats.size(); i < size; ++i) {
       const std::uint32_t slot = repeats.slot(i);
       const std::uint64_t b = norms_[slot];
-      const std::uint64_t already = count > 1 ? counted : std::min(b, counted);
+      const std::uint64_t already = count > 1 ? held : std::min(b, held);
       rest_[slot] += weight * (std::min(count * b, repeats.count(i) * norm_) - already);
     }
   }
 
   const PlaceIndex<L1Norms>& index_;
+  std::uint32_t slots_;
   std::uint64_t norm_;
   bool has_long_ = false;  // some slot's norm is above twice the query's
-  std::vector<std::uint32_t> norms_;
-  std::vector<std::uint32_t> once_;
-  std::vector<std::uint32_t> more_;
-  std::vector<std::uint32_t> repeats_;
-  std::vector<std::uint64_t> rest_;  // modulo 2^64
+  SlotSums<std::uint32_t> norms_;
+  SlotSums<std::uint32_t> once_;
+  SlotSums<std::uint32_t> more_;
+  SlotSums<std::uint32_t> repeats_;
+  SlotSums<std::uint64_t> rest_;
 };
 
 }  // namespace
@@ -110,24 +109,31 @@ class L1Sums {
 std::vector<PlaceMatch> FindBest(const PlaceIndex<L1Norms>& index,
                                  const BowVector& bow,
                                  const PlaceQuery& query) {
+  // Slots are filtered in blocks, each with the threshold that the blocks before have raised.
+  constexpr std::uint32_t kBlock = 512;
   const L1Sums sums(index, bow);
+  const L1Parts parts = sums.Parts();
+  const L1FilterFunction filter = AvailableL1FilterKernels().front().filter;
+  const auto slots = static_cast<std::uint32_t>(index.slots().size());
   BestMatches best(query);
-  const auto norm = static_cast<double>(sums.norm());
-  for (std::uint32_t slot = 0; slot < index.slots().size(); ++slot) {
-    const std::uint64_t bound = sums.Common(slot);
-    const double scale = norm * static_cast<double>(sums.norm(slot));
-    if (static_cast<double>(bound) < best.threshold() * kRounding * scale || bound == 0) {
-      continue;
+  std::vector<std::uint32_t> found(kBlock);
+  for (std::uint32_t begin = 0; begin < slots; begin += kBlock) {
+    const std::uint32_t padded = (slots + kFilterBlock - 1) / kFilterBlock * kFilterBlock;
+    const std::uint32_t end = std::min(begin + kBlock, padded);
+    const std::uint32_t count = filter(parts, best.threshold(), begin, end, found.data());
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const std::uint32_t slot = found[i];
+      const SlotEntry& entry = index.slots()[slot];
+      if (!IsWanted(entry, query)) {
+        continue;
+      }
+      const std::uint64_t norm = parts.norms[slot];
+      const std::uint64_t common =
+          parts.IsExact(slot)
+              ? parts.Common(slot)
+              : L1Common(index.weights(), bow, parts.norm, entry.bow.Decode(), norm);
+      best.Offer({entry.id, entry.tag, L1Score(common, parts.norm, norm)});
     }
-    const SlotEntry& entry = index.slots()[slot];
-    if (!IsWanted(entry, query)) {
-      continue;
-    }
-    const std::uint64_t common =
-        sums.IsExact(slot)
-            ? bound
-            : L1Common(index.weights(), bow, sums.norm(), entry.bow.Decode(), sums.norm(slot));
-    best.Offer({entry.id, entry.tag, L1Score(common, sums.norm(), sums.norm(slot))});
   }
   return best.Take();
 }
@@ -135,22 +141,22 @@ std::vector<PlaceMatch> FindBest(const PlaceIndex<L1Norms>& index,
 std::vector<PlaceMatch> FindBest(const PlaceIndex<SquaredNorms>& index,
                                  const BowVector& bow,
                                  const PlaceQuery& query) {
+  // Slack for thresholds that are compared before the last rounding of a score.
+  constexpr double kSlack = 1 - 1e-9;
   const auto slots = static_cast<std::uint32_t>(index.slots().size());
-  std::vector<std::uint64_t> dots(Accumulator<std::uint64_t>::PaddedSlots(slots));
-  Accumulator<std::uint64_t> accumulator(index.kernel(), slots);
-  for (const WordCount& entry : bow.entries) {
+  SlotSums<std::uint64_t> dots(slots);
+  ForEachWord(index, bow, [&](const WordCount& entry, const WordSlots& word) {
     const auto weight = static_cast<std::uint64_t>(index.weights()[entry.word]);
     const std::uint64_t product = weight * weight * std::min(entry.count, kMaxCount);
-    const WordSlots& word = index.word(entry.word);
     if (product == 0) {
-      continue;
+      return;
     }
-    accumulator.Add(word.all, product, dots.data());
+    dots.Add(word.all, product);
     for (std::uint32_t i = 0, size = word.repeats.size(); i < size; ++i) {
       dots[word.repeats.slot(i)] += product * (word.repeats.count(i) - 1);
     }
-  }
-  accumulator.Finish();
+  });
+  dots.Finish(index.kernel());
 
   BestMatches best(query);
   const std::uint64_t norm = SquaredNorm(index.weights(), bow);
@@ -158,7 +164,7 @@ std::vector<PlaceMatch> FindBest(const PlaceIndex<SquaredNorms>& index,
   for (std::uint32_t slot = 0; slot < slots; ++slot) {
     const std::uint64_t slot_norm = index.Norm(slot);
     const auto dot = static_cast<double>(dots[slot]);
-    const double threshold = best.threshold() * kRounding;
+    const double threshold = best.threshold() * kSlack;
     // Squares are compared: a root per slot would take longer than all the rest.
     if (dots[slot] == 0 ||
         dot * dot < threshold * threshold * norm_d * static_cast<double>(slot_norm)) {

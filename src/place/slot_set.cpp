@@ -26,7 +26,10 @@ void Move(std::unique_ptr<std::uint32_t[]>* data, std::uint32_t size, std::uint3
 
 void SlotSet::Reserve(std::uint32_t capacity) {
   if (capacity > capacity_) {
-    const std::uint32_t larger = std::max(capacity, Grown(capacity_)) & 0x7fffffffU;
+    std::uint32_t larger = std::max(capacity, Grown(capacity_));
+    if (is_bitmap_) {
+      larger = (larger + kBlockWords - 1) / kBlockWords * kBlockWords;
+    }
     Move(&data_, is_bitmap_ ? capacity_ : size_, larger);
     capacity_ = larger & 0x7fffffffU;
   }

@@ -6,6 +6,9 @@
 
 namespace deja_view::internal {
 
+/// Bitmaps come in blocks of 128 slots.
+constexpr std::uint32_t kBlockWords = 4;
+
 /// The slots (entries) that show a word: a list when they are few, else a bitmap, which is both
 /// smaller and faster to go through. 16 bytes, since there is one for each word.
 class SlotSet {
@@ -17,7 +20,13 @@ class SlotSet {
 
   const std::uint32_t* list() const { return data_.get(); }    ///< size() slots, in any order
   const std::uint32_t* bitmap() const { return data_.get(); }  ///< bitmap_words() x 32 slots
-  std::uint32_t bitmap_words() const { return capacity_; }
+  std::uint32_t bitmap_words() const { return capacity_; }     ///< a multiple of kBlockWords
+
+  /// The start of the list or bitmap will be read soon.
+  void Prefetch() const {
+    __builtin_prefetch(data_.get());
+    __builtin_prefetch(data_.get() + 16);
+  }
 
   /// Adds a slot that is not in the set; `slots` is how many there are in the database.
   void Add(std::uint32_t slot, std::uint32_t slots);
@@ -59,6 +68,9 @@ class RepeatList {
   std::uint32_t size() const { return size_; }
   std::uint32_t slot(std::uint32_t i) const { return data_[i] >> 8U; }
   std::uint32_t count(std::uint32_t i) const { return data_[i] & 255U; }  ///< 2 to 255
+
+  /// The start of the list will be read soon.
+  void Prefetch() const { __builtin_prefetch(data_.get()); }
 
   void Add(std::uint32_t slot, std::uint32_t count);
   void Remove(std::uint32_t slot);

@@ -9,37 +9,49 @@ namespace {
 
 TEST(AccumulateKernels, AllAddTheSame) {
   std::mt19937_64 rng(1);
-  const std::uint32_t words = 37;
-  std::vector<std::uint32_t> bitmap(words);
-  for (std::uint32_t& word : bitmap) {
-    word = static_cast<std::uint32_t>(rng() & rng());
+  // Bitmaps of different lengths; the sums are those of the longest.
+  std::vector<std::vector<std::uint32_t>> bitmaps;
+  for (const std::uint32_t words : {4U, 36U, 20U, 4U}) {
+    bitmaps.emplace_back(words);
+    for (std::uint32_t& word : bitmaps.back()) {
+      word = static_cast<std::uint32_t>(rng() & rng());
+    }
   }
-  std::vector<std::uint32_t> start(words * 32);
-  std::vector<std::uint64_t> start_64(words * 32);
+  std::vector<WeightedBitmap<std::uint32_t>> jobs;
+  std::vector<WeightedBitmap<std::uint64_t>> jobs_64;
+  std::vector<std::uint32_t> start(36 * 32);
+  std::vector<std::uint64_t> start_64(36 * 32);
   for (std::size_t i = 0; i < start.size(); ++i) {
     start[i] = static_cast<std::uint32_t>(rng());
     start_64[i] = rng();
   }
-  const std::uint32_t weight = 0U - 1234U;
-  const std::uint64_t weight_64 = (std::uint64_t{1} << 40U) + 5;
+  std::vector<std::uint32_t> expected = start;
+  std::vector<std::uint64_t> expected_64 = start_64;
+  for (const std::vector<std::uint32_t>& bitmap : bitmaps) {
+    const auto words = static_cast<std::uint32_t>(bitmap.size());
+    jobs.push_back({bitmap.data(), words, static_cast<std::uint32_t>(rng())});
+    jobs_64.push_back({bitmap.data(), words, rng()});
+    for (std::size_t i = 0; i < bitmap.size() * 32; ++i) {
+      const bool is_set = (bitmap[i / 32] >> (i % 32) & 1U) != 0;
+      expected[i] += is_set ? jobs.back().weight : 0;
+      expected_64[i] += is_set ? jobs_64.back().weight : 0;
+    }
+  }
   for (const AccumulateKernel& kernel : AvailableAccumulateKernels()) {
     std::vector<std::uint32_t> sums = start;
+    kernel.Add(jobs, sums.data());
+    EXPECT_EQ(sums, expected) << kernel.name;
     std::vector<std::uint64_t> sums_64 = start_64;
-    kernel.add_bitmap(bitmap.data(), words, weight, sums.data());
-    kernel.add_bitmap_64(bitmap.data(), words, weight_64, sums_64.data());
-    for (std::size_t i = 0; i < start.size(); ++i) {
-      const bool is_set = (bitmap[i / 32] >> (i % 32) & 1U) != 0;
-      ASSERT_EQ(sums[i], start[i] + (is_set ? weight : 0)) << kernel.name << " " << i;
-      ASSERT_EQ(sums_64[i], start_64[i] + (is_set ? weight_64 : 0)) << kernel.name << " " << i;
-    }
+    kernel.Add(jobs_64, sums_64.data());
+    EXPECT_EQ(sums_64, expected_64) << kernel.name;
   }
 }
 
-TEST(Accumulator, AddsListsAndBitmaps) {
-  constexpr std::uint32_t kSlots = 10000;  // several parts
+TEST(SlotSums, AddListsAndBitmaps) {
+  constexpr std::uint32_t kSlots = 10000;
   SlotSet list;
   SlotSet bitmap;
-  std::vector<std::uint32_t> expected(Accumulator<std::uint32_t>::PaddedSlots(kSlots), 0);
+  std::vector<std::uint32_t> expected(kSlots, 0);
   for (std::uint32_t slot = 0; slot < kSlots; slot += 7) {
     bitmap.Add(slot, slot + 1);
     expected[slot] += 3;
@@ -50,12 +62,13 @@ TEST(Accumulator, AddsListsAndBitmaps) {
   }
   ASSERT_TRUE(bitmap.is_bitmap());
   ASSERT_FALSE(list.is_bitmap());
-  std::vector<std::uint32_t> sums(expected.size(), 0);
-  Accumulator<std::uint32_t> accumulator(AvailableAccumulateKernels().front(), kSlots);
-  accumulator.Add(bitmap, 3, sums.data());
-  accumulator.Add(list, 11, sums.data());
-  accumulator.Finish();
-  EXPECT_EQ(sums, expected);
+  SlotSums<std::uint32_t> sums(kSlots);
+  sums.Add(bitmap, 3);
+  sums.Add(list, 11);
+  sums.Finish(AvailableAccumulateKernels().front());
+  for (std::uint32_t slot = 0; slot < kSlots; ++slot) {
+    ASSERT_EQ(sums[slot], expected[slot]);
+  }
 }
 
 }  // namespace
