@@ -18,13 +18,15 @@ bool IsCorrect(const EvaluatedLoop& loop,
          RotationAngle(error.q) < criteria.max_error_deg * kDegree;
 }
 
+}  // namespace
+
 bool IsRevisit(const TrueKeyframe& current,
                const TrueKeyframe& old,
                const Rigid3& T_B_C,
                const LoopCriteria& criteria) {
   const bool is_older = old.is_old_only || static_cast<double>(current.stamp_ns - old.stamp_ns) >=
                                                criteria.revisit_age_s * 1e9;
-  if (!is_older || !old.T_truth_B ||
+  if (!is_older || !current.T_truth_B || !old.T_truth_B ||
       (current.T_truth_B->t - old.T_truth_B->t).norm() > criteria.revisit_distance_m) {
     return false;
   }
@@ -32,8 +34,6 @@ bool IsRevisit(const TrueKeyframe& current,
   return (current.T_truth_B->q * axis).dot(old.T_truth_B->q * axis) >
          std::cos(criteria.revisit_angle_deg * kDegree);
 }
-
-}  // namespace
 
 LoopScore ScoreLoops(const std::vector<TrueKeyframe>& keyframes,
                      const std::vector<EvaluatedLoop>& loops,

@@ -11,6 +11,7 @@ using Command = std::function<int()>;
 
 /// Each adds its subcommand to `app` and sets `*command` when it is the one that was called.
 void AddReplayCommand(CLI::App& app, Command* command);
+void AddReportCommand(CLI::App& app, Command* command);
 void AddSimulateCommand(CLI::App& app, Command* command);
 void AddVocabularyCommand(CLI::App& app, Command* command);
 

@@ -43,6 +43,14 @@ struct LoopScore {
   double recall() const { return revisits > 0 ? 1.0 * revisits_found / revisits : 0.0; }
 };
 
+/// True when `current` sees the place of `old` again: near enough, looking the same way, and later
+/// by long enough. False where the truth is unknown. `T_B_C` gives the viewing direction, the
+/// camera's z.
+bool IsRevisit(const TrueKeyframe& current,
+               const TrueKeyframe& old,
+               const Rigid3& T_B_C,
+               const LoopCriteria& criteria = {});
+
 /// Judges loops against the truth. A loop is correct when its relative pose is within the limits of
 /// the true one; recall counts keyframes. `T_B_C` gives the viewing direction, the camera's z.
 /// Keyframes of a loaded map are old whatever their stamps say.
