@@ -1,0 +1,40 @@
+# Shared by scripts/test, scripts/demo and .ci/run, which source it: where things are, and how to build.
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+jobs=$(nproc)
+
+say() { printf '\n== %s\n' "$*"; }
+fail() {
+  printf '%s: %s\n' "$(basename "$0")" "$*" >&2
+  exit 1
+}
+
+# Prints the comment at the top of the calling script, without its marks.
+usage() { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"; }
+
+# configure DIRECTORY [CMake arguments...]: quiet unless it fails; keeps what was chosen before.
+configure() {
+  local directory=$1
+  shift
+  local -a arguments=(-S "$root" -B "$directory" "$@")
+  if command -v ccache > /dev/null; then
+    arguments+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+  fi
+  mkdir -p "$directory"
+  if ! cmake "${arguments[@]}" > "$directory/configure.log" 2>&1; then
+    cat "$directory/configure.log" >&2
+    fail "configuring failed (the log above is $directory/configure.log)"
+  fi
+}
+
+# build DIRECTORY [target...]
+build() {
+  local directory=$1
+  shift
+  local -a targets=()
+  [ "$#" = 0 ] || targets=(--target "$@")
+  local start=$SECONDS
+  cmake --build "$directory" -j "$jobs" "${targets[@]}" \
+    || fail "building in $directory failed"
+  echo "Built in $((SECONDS - start)) s."
+}
