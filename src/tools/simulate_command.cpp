@@ -271,7 +271,13 @@ void AddSimulateCommand(CLI::App& app, Command* command) {
       "Example:\n  deja_view simulate --preset hall --seed 3 --duration 60 --bag --out flight");
   sub->callback([=] {
     *command = [=] {
-      const auto json = RunSimulate(*request);
+      nlohmann::ordered_json json;
+      try {
+        json = RunSimulate(*request);
+      } catch (const Interrupted& e) {
+        std::cerr << "deja_view: " << e.what() << "\n";
+        return 130;  // as shells report a program that Ctrl-C ended
+      }
       if (!json_file->empty()) {
         WriteFileAtomically(*json_file, [&](std::ostream& out) { out << json.dump(2) << "\n"; });
       }
