@@ -21,7 +21,7 @@ constexpr std::uint32_t kMaxImageSide = 32768;
 
 struct Encoding {
   const char* name;
-  int type;        // OpenCV's
+  int type;        // OpenCV's; 16 bits as two bytes, as rows may start at odd addresses
   int conversion;  // to grey, -1 for none
 };
 
@@ -32,8 +32,8 @@ constexpr std::array<Encoding, 8> kEncodings = {{
     {"bgr8", CV_8UC3, cv::COLOR_BGR2GRAY},
     {"rgba8", CV_8UC4, cv::COLOR_RGBA2GRAY},
     {"bgra8", CV_8UC4, cv::COLOR_BGRA2GRAY},
-    {"mono16", CV_16UC1, -1},
-    {"16UC1", CV_16UC1, -1},
+    {"mono16", CV_8UC2, -1},
+    {"16UC1", CV_8UC2, -1},
 }};
 
 const Encoding& FindEncoding(const std::string& name, const std::string& topic) {
@@ -98,7 +98,7 @@ cv::Mat ToGrey(const sensor_msgs::Image& message, const Encoding& encoding) {
                      encoding.type,
                      data,
                      message.step);
-  if (encoding.type == CV_16UC1) {
+  if (encoding.type == CV_8UC2) {
     return Grey16(view, message.is_bigendian != 0);
   }
   cv::Mat grey;

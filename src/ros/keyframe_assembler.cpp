@@ -65,8 +65,8 @@ std::string ToString(DropReason reason) {
       return "missing_points";
     case DropReason::kDuplicate:
       return "duplicate";
-    case DropReason::kStampBack:
-      return "stamp_back";
+    case DropReason::kStrayStamp:
+      return "stray_stamp";
     case DropReason::kOverflow:
       return "overflow";
     case DropReason::kUnmatched:
@@ -177,7 +177,7 @@ void KeyframeAssembler::AddPose(std::int64_t stamp_ns, const Rigid3& T_W_B) {
   const bool goes_back = !pose_keys_.empty() && pending.key < pose_keys_.back();
   const bool confirms = goes_back && suspect_ && FollowsWithinStretch(pending.key, suspect_->key);
   if (suspect_ && !confirms) {
-    Drop(DropReason::kStampBack, suspect_->stamp_ns);
+    Drop(DropReason::kStrayStamp, suspect_->stamp_ns);
     suspect_.reset();
   }
   if (goes_back && !confirms) {
@@ -185,9 +185,13 @@ void KeyframeAssembler::AddPose(std::int64_t stamp_ns, const Rigid3& T_W_B) {
     return;
   }
   if (confirms) {
-    ResolveAll();
-    pose_keys_.clear();
-    suspect_->starts_sequence = true;
+    if (IsNewestPoseStray()) {
+      DropNewestPose();
+    } else {
+      ResolveAll();
+      pose_keys_.clear();
+      suspect_->starts_sequence = true;
+    }
     Push(std::move(*suspect_));
     suspect_.reset();
   }
@@ -195,10 +199,25 @@ void KeyframeAssembler::AddPose(std::int64_t stamp_ns, const Rigid3& T_W_B) {
   Settle();
 }
 
+// The suspect goes on where the pose before the newest one left off.
+bool KeyframeAssembler::IsNewestPoseStray() const {
+  return pose_keys_.size() >= 2 &&
+         FollowsWithinStretch(suspect_->key, pose_keys_[pose_keys_.size() - 2]);
+}
+
+void KeyframeAssembler::DropNewestPose() {
+  const std::int64_t key = pose_keys_.back();
+  pose_keys_.pop_back();
+  if (!pending_.empty() && pending_.back().key == key) {
+    Drop(DropReason::kStrayStamp, pending_.back().stamp_ns);
+    pending_.pop_back();
+  }
+}
+
 void KeyframeAssembler::Flush() {
   ResolveAll();
   if (suspect_) {
-    Drop(DropReason::kStampBack, suspect_->stamp_ns);
+    Drop(DropReason::kStrayStamp, suspect_->stamp_ns);
     suspect_.reset();
   }
   for (const auto& points : points_) {
@@ -219,8 +238,8 @@ void KeyframeAssembler::Drop(DropReason reason, std::int64_t stamp_ns) {
     case DropReason::kDuplicate:
       ++counts_.duplicates;
       break;
-    case DropReason::kStampBack:
-      ++counts_.stamps_back;
+    case DropReason::kStrayStamp:
+      ++counts_.stray_stamps;
       break;
     case DropReason::kOverflow:
       ++counts_.overflows;

@@ -48,7 +48,7 @@ void LoopFusionNode::Diagnose(diagnostic_updater::DiagnosticStatusWrapper& statu
   status.add("dropped: missing_image", now.assembler.missing_image);
   status.add("dropped: missing_points", now.assembler.missing_points);
   status.add("dropped: duplicate", now.assembler.duplicates);
-  status.add("dropped: stamp_back", now.assembler.stamps_back);
+  status.add("dropped: stray_stamp", now.assembler.stray_stamps);
   status.add("dropped: overflow", now.assembler.overflows);
   status.add("dropped: unmatched", now.assembler.unmatched);
 }

@@ -68,7 +68,7 @@ enum class DropReason {
   kMissingImage,   ///< a keyframe without an image can't be used
   kMissingPoints,  ///< the keyframe is used all the same, without points
   kDuplicate,      ///< a second message with that stamp
-  kStampBack,      ///< a pose older than its predecessor, and no restart
+  kStrayStamp,     ///< a pose whose stamp does not fit between its neighbours'
   kOverflow,       ///< a bound of the options was reached before the missing message came
   kUnmatched,      ///< points to which no keyframe pose came
 };
@@ -85,7 +85,7 @@ struct AssemblerCounts {
   std::int64_t missing_image = 0;
   std::int64_t missing_points = 0;
   std::int64_t duplicates = 0;
-  std::int64_t stamps_back = 0;
+  std::int64_t stray_stamps = 0;
   std::int64_t overflows = 0;
   std::int64_t unmatched = 0;
 };
@@ -147,6 +147,8 @@ class KeyframeAssembler {
   void Drop(DropReason reason, std::int64_t stamp_ns);
   bool IsKnown(std::int64_t key) const;
   bool IsHopeless(std::int64_t key) const;
+  bool IsNewestPoseStray() const;
+  void DropNewestPose();
   Pending* FindPending(std::int64_t key);
   void NoteImageStamp(std::int64_t key);
   void Push(Pending pending);

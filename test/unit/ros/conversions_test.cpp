@@ -183,6 +183,12 @@ TEST(ConversionsTest, ReadsBigEndianImages) {
   EXPECT_EQ(FromImage(message, kTopic)().at<std::uint8_t>(0, 0), 0x12);
 }
 
+TEST(ConversionsTest, RowsOf16BitImagesMayStartAtOddAddresses) {
+  const auto message = MakeImage("mono16", 1, 2, 3);
+  message->data = {0, 0x12, 99, 0, 0x34, 99};
+  EXPECT_EQ(FromImage(message, kTopic)().at<std::uint8_t>(1, 0), 0x34);
+}
+
 TEST(ConversionsTest, RefusesImagesBeforeDecodingThem) {
   EXPECT_THAT(ErrorOf([] { FromImage(MakeImage("yuv422", 2, 2, 4), kTopic); }),
               AllOf(HasSubstr(kTopic), HasSubstr("yuv422"), HasSubstr("mono8")));

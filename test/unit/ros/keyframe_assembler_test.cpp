@@ -4,6 +4,7 @@
 #include "deja_view/ros/conversions.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 #include <string>
 #include <utility>
@@ -55,7 +56,7 @@ class KeyframeAssemblerTest : public ::testing::Test {
   }
 
   static int Offset(std::int64_t stamp_ns) {
-    return static_cast<int>((stamp_ns - kStart + kMillisecond / 2) / kMillisecond);
+    return static_cast<int>(std::lround(1e-6 * static_cast<double>(stamp_ns - kStart)));
   }
 
   void Image(int ms) {
@@ -172,18 +173,35 @@ TEST_F(KeyframeAssemblerTest, ASilentTopicHoldsKeyframesUpForTheTimeoutOnly) {
 }
 
 TEST_F(KeyframeAssemblerTest, AStrayPoseIsDropped) {
-  for (const int stray : {-400000, 400000, 150}) {
+  for (const int stray : {-400000, 400000, 5000, 150}) {
     Reset({});
-    for (int ms = 0; ms <= 600; ms += 100) {
-      Keyframe(ms);
-      if (ms == 200) {
-        Pose(stray);
+    for (int ms = 0; ms <= 800; ms += 100) {
+      Image(ms);
+      if (ms >= 200) {
+        Pose(ms - 200);
+        if (ms == 400) {
+          Pose(stray);
+        }
+      }
+      if (ms >= 300) {
+        Points(ms - 300);
       }
     }
     assembler_.Flush();
-    EXPECT_EQ(output_.size(), 7U) << stray;
-    EXPECT_TRUE(std::is_sorted(output_.begin(), output_.end())) << stray;
-    EXPECT_EQ(drops_.size(), 1U) << stray;
+    EXPECT_THAT(output_,
+                ElementsAre(Pair(0, 3),
+                            Pair(100, 3),
+                            Pair(200, 3),
+                            Pair(300, 3),
+                            Pair(400, 3),
+                            Pair(500, 3),
+                            Pair(600, 0)))
+        << stray;
+    EXPECT_THAT(
+        drops_,
+        ElementsAre(Pair(DropReason::kStrayStamp, stray), Pair(DropReason::kMissingPoints, 600)))
+        << stray;
+    EXPECT_THAT(sequence_starts_, IsEmpty()) << stray;
   }
 }
 

@@ -1,0 +1,98 @@
+#!/usr/bin/python3
+"""Save, kill, load, go on: a second flight is recognised in the map of the first."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import rospy
+import rostest
+from nav_msgs.msg import Path
+
+from deja_view.srv import NamedMap
+from flight import Flight, NodeOutputs, wait_until
+
+SPEED = 2.0
+
+
+class PersistenceTest(unittest.TestCase):
+    def setUp(self):
+        self.directory = tempfile.mkdtemp(prefix="deja_view_maps")
+        self.process = None
+
+    def tearDown(self):
+        if self.process is not None and self.process.poll() is None:
+            self.process.kill()
+            self.process.wait()
+        shutil.rmtree(self.directory)
+
+    def start(self, flight, load="", output=""):
+        self.process = subprocess.Popen(
+            [
+                "rosrun",
+                "deja_view",
+                "loop_fusion_node",
+                "__name:=loop_fusion",
+                "_config_file:=" + os.path.join(flight, "camera.yaml"),
+                "_vocabulary_file:=" + rospy.get_param("~vocabulary"),
+                "_map_directory:=" + os.path.join(self.directory, "maps"),
+                "_load_map_at_start:=" + load,
+                "_output_directory:=" + output,
+            ]
+        )
+
+    def kill(self):
+        """As a power cut would."""
+        self.process.kill()
+        self.process.wait()
+
+    def call(self, service, name):
+        rospy.wait_for_service("/loop_fusion/" + service, 20.0)
+        return rospy.ServiceProxy("/loop_fusion/" + service, NamedMap)(name)
+
+    def test_save_kill_load_go_on(self):
+        first, second = rospy.get_param("~flight"), rospy.get_param("~second_flight")
+        flight = Flight(first)
+        outputs = NodeOutputs()
+        self.start(first)
+        flight.wait_for_node()
+        flight.play(SPEED)
+        outputs.wait_for_keyframe(flight.keyframe_stamps()[-1])
+        saved = self.call("save_map", "hall")
+        self.assertTrue(saved.success, saved.message)
+        for name in ("", "..", "../hall", "/tmp/hall", "a/b", ".hall"):
+            self.assertFalse(self.call("save_map", name).success, name)
+        self.assertFalse(self.call("load_map", "nowhere").success)
+        self.assertEqual(os.listdir(os.path.join(self.directory, "maps")), ["hall"])
+        self.kill()
+        keyframes = len(flight.keyframe_stamps())
+        for publisher in flight.publishers.values():
+            publisher.unregister()
+
+        flight = Flight(second)
+        outputs = NodeOutputs({"/pose_graph/base_path": Path})
+        results = os.path.join(self.directory, "results")
+        self.start(second, load="hall", output=results)
+        flight.wait_for_node()
+        flight.play(SPEED)
+        outputs.wait_for_keyframe(flight.keyframe_stamps()[-1])
+        across = [l for l in outputs.accepted() if l.index_old < keyframes <= l.index_current]
+        self.assertGreater(len(across), 5)
+        wait_until(lambda: outputs["/pose_graph/base_path"], 5.0, "the loaded map's path")
+        self.assertEqual(len(outputs["/pose_graph/base_path"][-1].poses), keyframes)
+        self.assertLess(flight.ape(outputs[NodeOutputs.PATH][-1]), 0.1)
+
+        self.process.send_signal(signal.SIGINT)
+        self.assertEqual(self.process.wait(30), 0)
+        with open(os.path.join(results, "trajectory.txt"), encoding="utf-8") as file:
+            lines = [line for line in file if not line.startswith("#")]
+        self.assertEqual(len(lines), len(flight.keyframe_stamps()))
+
+
+if __name__ == "__main__":
+    rospy.init_node("persistence_test")
+    rostest.rosrun("deja_view", "persistence_test", PersistenceTest, sys.argv)
