@@ -68,10 +68,7 @@ std::size_t LoopCloser::memory_bytes() const {
 }
 
 Rigid3 LoopCloser::drift() const {
-  // After a map was loaded, the newest node is the map's until the first keyframe comes.
-  const bool has_current =
-      !impl_->keyframes.empty() && impl_->keyframes.back().sequence == impl_->sequence;
-  return has_current ? impl_->graph.Correction(impl_->graph.size() - 1) : Rigid3::Identity();
+  return impl_->drift();
 }
 
 std::vector<LoopReport> LoopCloser::accepted_loops() const {

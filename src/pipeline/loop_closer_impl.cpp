@@ -1,11 +1,12 @@
 #include "loop_closer_impl.hpp"
 
 #include "deja_view/base/check.hpp"
-#include "deja_view/features/brief_extractor.hpp"
+#include "deja_view/features/make_feature_extractor.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
@@ -73,6 +74,9 @@ std::vector<std::string> LoopCloserOptions::Validate() const {
   require(max_speed_mps > 0, "max_speed_mps must be positive");
   require(max_point_error_px > 0, "max_point_error_px must be positive");
   require(max_point_depth_m > 0, "max_point_depth_m must be positive");
+  require(point_sigma_floor > 0, "point_sigma_floor must be positive");
+  require(point_track_sigma_px >= 0, "point_track_sigma_px must not be negative");
+  require(point_sigma_max >= point_sigma_floor, "point_sigma_max must not be below the floor");
   return errors;
 }
 
@@ -86,7 +90,7 @@ LoopCloser::Impl::Impl(const LoopCloserOptions& options_in,
       T_B_C(T_B_C_in),
       vocabulary(std::move(vocabulary_in)),
       executor(std::move(executor_in)),
-      extractor(std::make_unique<BriefExtractor>(options.features)),
+      extractor(MakeFeatureExtractor(options.features)),
       verifier(options.verification, camera),
       graph(options.pose_graph),
       places(options.place, vocabulary),
@@ -122,7 +126,7 @@ void LoopCloser::Impl::CheckInput(const KeyframeInput& input) const {
 }
 
 bool LoopCloser::Impl::StartsSequence(const KeyframeInput& input) const {
-  if (sequence < 0 || keyframes.back().sequence != sequence || input.starts_sequence) {
+  if (starts_sequence_ || input.starts_sequence) {
     return true;
   }
   const double dt = static_cast<double>(input.stamp_ns - keyframes.back().stamp_ns) * 1e-9;
@@ -130,29 +134,56 @@ bool LoopCloser::Impl::StartsSequence(const KeyframeInput& input) const {
   return dt <= 0 || jump > options.max_speed_mps * dt;
 }
 
-bool LoopCloser::Impl::FitsItsPixel(const TrackedPoint& point, const Eigen::Vector3d& p_B) const {
-  const Eigen::Vector3d p_C = T_B_C.Inverse() * p_B;
-  if (!point.p_W.allFinite() || !point.pixel.allFinite() ||
-      p_C.norm() > options.max_point_depth_m) {
-    return false;
+std::optional<Eigen::Vector3d> LoopCloser::Impl::LocatePoint(const TrackedPoint& point,
+                                                             const Rigid3& T_C_W) const {
+  if (!point.p_W.allFinite() || !point.pixel.allFinite()) {
+    return std::nullopt;
   }
-  const auto pixel = camera->Project(p_C);
-  return pixel && (*pixel - point.pixel.cast<double>()).norm() < options.max_point_error_px;
+  const Eigen::Vector3d p_C = T_C_W * point.p_W;
+  const Eigen::Vector2d pixel = point.pixel.cast<double>();
+  const auto reprojected = camera->Project(p_C);
+  if (p_C.norm() > options.max_point_depth_m || !camera->IsInImage(pixel) || !reprojected ||
+      (*reprojected - pixel).norm() > options.max_point_error_px) {
+    return std::nullopt;
+  }
+  return T_B_C * (p_C.norm() * camera->Unproject(pixel));
 }
 
-void LoopCloser::Impl::ExtractFeatures(const KeyframeInput& input, StoredKeyframe* keyframe) const {
+double LoopCloser::Impl::DepthSigma(const TrackedPoint& point, const Eigen::Vector3d& centre_W) {
+  const std::size_t now = keyframes.size();
+  const auto [it, is_new] = tracks_.try_emplace(point.feature_id, Track{centre_W, now});
+  Track& track = it->second;
+  if (!is_new && track.last_keyframe + 1 < now) {
+    track.first_centre_W = centre_W;  // ids of a VIO that started anew
+  }
+  track.last_keyframe = now;
+  const Eigen::Vector3d ray = point.p_W - centre_W;
+  const double depth = std::max(1e-3, ray.norm());
+  const double parallax = (track.first_centre_W - centre_W).cross(ray).norm() / (depth * depth);
+  const double ratio =
+      std::hypot(options.point_sigma_floor,
+                 options.point_track_sigma_px / (camera->FocalLength() * std::max(1e-6, parallax)));
+  return depth * std::min(options.point_sigma_max, ratio);
+}
+
+void LoopCloser::Impl::ExtractFeatures(const KeyframeInput& input, StoredKeyframe* keyframe) {
   KeyframeFeatures& f = keyframe->features;
   f.T_B_C = T_B_C;
-  const Rigid3 T_B_W = input.T_W_B.Inverse();
+  const Rigid3 T_C_W = (input.T_W_B * T_B_C).Inverse();
   std::vector<cv::Point2f> pixels;
   for (const TrackedPoint& point : input.points) {
-    const Eigen::Vector3d p_B = T_B_W * point.p_W;
-    if (FitsItsPixel(point, p_B)) {
-      f.points_B.push_back(p_B.cast<float>());
+    const auto p_B = LocatePoint(point, T_C_W);
+    if (p_B) {
+      f.points_B.push_back(p_B->cast<float>());
       f.point_pixels.push_back(point.pixel);
+      f.point_depth_sigmas.push_back(
+          static_cast<float>(DepthSigma(point, (input.T_W_B * T_B_C).t)));
       f.point_ids.push_back(point.feature_id);
       pixels.emplace_back(point.pixel.x(), point.pixel.y());
     }
+  }
+  for (auto it = tracks_.begin(); it != tracks_.end();) {
+    it = it->second.last_keyframe < keyframes.size() ? tracks_.erase(it) : std::next(it);
   }
   Features features = extractor->Extract(input.image, pixels, &f.point_descriptors);
   f.keypoints.reserve(features.keypoints.size());
@@ -267,6 +298,7 @@ Relocalisation LoopCloser::Impl::MakeRelocalisation(const LoopReport& loop,
 void LoopCloser::Impl::FindLoops(KeyframeReport* report) {
   const std::vector<Candidate> candidates = FindCandidates(&report->times);
   Stopwatch watch;
+  int found = 0;
   for (const Candidate& candidate : candidates) {
     Verification verification;
     LoopReport loop = VerifyCandidate(candidate, &verification);
@@ -291,8 +323,11 @@ void LoopCloser::Impl::FindLoops(KeyframeReport* report) {
     }
     report->reason = loop.reason;
     Believe(believed, report);
-    if (is_believed) {
+    found += is_believed ? 1 : 0;
+    if (is_believed && !report->relocalisation) {
       report->relocalisation = MakeRelocalisation(loop, verification);
+    }
+    if (found >= options.candidates.max_loops) {
       break;
     }
   }
@@ -352,6 +387,7 @@ KeyframeReport LoopCloser::Impl::AddKeyframe(const KeyframeInput& input) {
 
   report.is_new_sequence = StartsSequence(input);
   sequence += report.is_new_sequence ? 1 : 0;
+  starts_sequence_ = false;
   keyframe.stamp_ns = input.stamp_ns;
   keyframe.sequence = sequence;
   keyframes.push_back(std::move(keyframe));

@@ -8,6 +8,7 @@
 #include <future>
 #include <memory>
 #include <optional>
+#include <unordered_map>
 #include <vector>
 
 #include "candidates.hpp"
@@ -38,6 +39,10 @@ class LoopCloser::Impl {
   KeyframeReport AddKeyframe(const KeyframeInput& input);
   bool UpdateLoop(int current, const Rigid3& T_Bold_Bcurrent);
   void OptimizeFully();
+  /// Identity until the first keyframe of a session.
+  Rigid3 drift() const {
+    return starts_sequence_ ? Rigid3::Identity() : graph.Correction(graph.size() - 1);
+  }
   void Save(const std::filesystem::path& directory) const;
   void Load(const std::filesystem::path& directory);
 
@@ -65,10 +70,21 @@ class LoopCloser::Impl {
     int due = 0;             ///< index of the keyframe that takes the solution over
   };
 
+  /// A map as read from its file, before it replaces the present one.
+  struct LoadedMap {
+    std::vector<StoredKeyframe> keyframes;
+    PoseGraph graph{PoseGraphOptions{}};
+    std::vector<LoopReport> accepted;
+  };
+
+  LoadedMap ReadMap(const std::filesystem::path& directory) const;
   void CheckInput(const KeyframeInput& input) const;
   bool StartsSequence(const KeyframeInput& input) const;
-  void ExtractFeatures(const KeyframeInput& input, StoredKeyframe* keyframe) const;
-  bool FitsItsPixel(const TrackedPoint& point, const Eigen::Vector3d& p_B) const;
+  void ExtractFeatures(const KeyframeInput& input, StoredKeyframe* keyframe);
+  double DepthSigma(const TrackedPoint& point, const Eigen::Vector3d& centre_W);
+  /// The point in the body frame: its distance from the VIO's landmark, its direction from where it
+  /// was tracked in this very image. Nothing for a point that does not fit its pixel.
+  std::optional<Eigen::Vector3d> LocatePoint(const TrackedPoint& point, const Rigid3& T_C_W) const;
   int NewestOldEnough() const;
   NearbyPlace PlaceOf(int keyframe) const;
   bool IsLocalised() const;
@@ -81,7 +97,15 @@ class LoopCloser::Impl {
   void ScheduleSolve();
   void TakeDueSolution(bool wait_for_all, KeyframeReport* report);
 
+  /// Where a track was first seen from [m, in W], and the keyframe that saw it last.
+  struct Track {
+    Eigen::Vector3d first_centre_W;
+    std::size_t last_keyframe = 0;
+  };
+
+  std::unordered_map<std::int64_t, Track> tracks_;
   std::optional<PendingSolve> pending_solve_;
+  bool starts_sequence_ = true;  ///< the next keyframe does
   int loops_since_solve_ = 0;
   bool is_surprised_ = false;
   int last_localised_ = -1;  ///< newest keyframe with an accepted loop

@@ -70,7 +70,10 @@ LoopConsistency::Comparison LoopConsistency::Compare(const PoseGraphLoop& a,
   const double lever = std::max(from_path, to_path);
   const double variance =
       std::pow(noise.odometry_sigma_per_sqrt_m, 2) * path +
-      2.0 * std::pow(noise.loop_sigma_floor_m, 2) + yaw_variance * lever * lever / 4.0 +
+      (graph.LoopCommonCovariance(a.T_from_to.t) + graph.LoopCommonCovariance(b.T_from_to.t))
+              .trace() /
+          3 +
+      yaw_variance * lever * lever / 4.0 +
       (a.covariance.topLeftCorner<3, 3>() + b.covariance.topLeftCorner<3, 3>()).trace() / 3;
   const double limit = options_.max_sigmas * options_.max_sigmas;
   result.agrees = dt.squaredNorm() < 3.0 * limit * variance && dpsi * dpsi < limit * yaw_variance;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Cholesky>
 
@@ -34,11 +35,32 @@ std::vector<std::string> PoseGraphOptions::Validate() const {
   require(odometry_yaw_sigma_per_sqrt_m_deg >= 0,
           "odometry_yaw_sigma_per_sqrt_m_deg must not be negative");
   require(loop_sigma_floor_m > 0, "loop_sigma_floor_m must be positive");
+  require(loop_scale_sigma >= 0, "loop_scale_sigma must not be negative");
+  require(loop_sigma_per_m >= 0, "loop_sigma_per_m must not be negative");
   require(loop_yaw_sigma_floor_deg > 0, "loop_yaw_sigma_floor_deg must be positive");
   require(kernel_scale > 0, "kernel_scale must be positive");
   require(kernel_graduation > 1, "kernel_graduation must be above 1");
   require(max_iterations > 0, "max_iterations must be positive");
   return errors;
+}
+
+PoseGraph PoseGraph::FromParts(const PoseGraphOptions& options,
+                               std::vector<PoseGraphNode> nodes,
+                               std::vector<PoseGraphLoop> loops) {
+  PoseGraph graph(options);
+  for (PoseGraphNode& node : nodes) {
+    const int index = graph.AddNode(node.sequence, node.T_W_B, node.is_fixed);
+    graph.nodes_[static_cast<std::size_t>(index)] = node;
+  }
+  for (PoseGraphLoop& loop : loops) {
+    DEJA_VIEW_CHECK(loop.from >= 0 && loop.from < graph.size());
+    DEJA_VIEW_CHECK(loop.to >= 0 && loop.to < graph.size());
+    const int a = graph.Group(graph.nodes_[static_cast<std::size_t>(loop.from)].sequence);
+    const int b = graph.Group(graph.nodes_[static_cast<std::size_t>(loop.to)].sequence);
+    std::replace(graph.group_.begin(), graph.group_.end(), std::max(a, b), std::min(a, b));
+    graph.loops_.push_back(std::move(loop));
+  }
+  return graph;
 }
 
 int PoseGraph::AddNode(int sequence, const Rigid3& T_W_B, bool is_fixed) {
@@ -140,6 +162,12 @@ Eigen::Matrix4d PoseGraph::OdometrySqrtInformation(double distance) const {
   return L;
 }
 
+Eigen::Matrix3d PoseGraph::LoopCommonCovariance(const Eigen::Vector3d& t_from_to) const {
+  const double sigma = options_.loop_sigma_floor_m + options_.loop_sigma_per_m * t_from_to.norm();
+  const Eigen::Vector3d along = options_.loop_scale_sigma * t_from_to;
+  return sigma * sigma * Eigen::Matrix3d::Identity() + along * along.transpose();
+}
+
 Eigen::Matrix4d PoseGraph::LoopSqrtInformation(const PoseGraphLoop& loop) const {
   // psi's part of the rotation vector (frame `from`) is its component along gravity.
   const Eigen::Vector3d up =
@@ -148,7 +176,7 @@ Eigen::Matrix4d PoseGraph::LoopSqrtInformation(const PoseGraphLoop& loop) const 
   J.topLeftCorner<3, 3>().setIdentity();
   J.bottomRightCorner<1, 3>() = up.transpose();
   Eigen::Matrix4d covariance = J * loop.covariance * J.transpose();
-  covariance.diagonal().head<3>().array() += std::pow(options_.loop_sigma_floor_m, 2);
+  covariance.topLeftCorner<3, 3>() += LoopCommonCovariance(loop.T_from_to.t);
   covariance(3, 3) += std::pow(options_.loop_yaw_sigma_floor_deg * kDegree, 2);
   return SqrtInformation(covariance);
 }

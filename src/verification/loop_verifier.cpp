@@ -28,7 +28,7 @@ Eigen::Vector3d ToDouble(const Eigen::Vector3f& v) {
 std::size_t KeyframeFeatures::MemoryBytes() const {
   const auto bytes = [](const auto& v) { return v.capacity() * sizeof(v.front()); };
   return bytes(keypoints) + bytes(descriptors) + bytes(points_B) + bytes(point_pixels) +
-         bytes(point_ids) + bytes(point_descriptors);
+         bytes(point_depth_sigmas) + bytes(point_ids) + bytes(point_descriptors);
 }
 
 std::vector<std::string> LoopVerifierOptions::Validate() const {
@@ -42,6 +42,7 @@ std::vector<std::string> LoopVerifierOptions::Validate() const {
   require(max_ratio > 0 && max_ratio <= 1, "max_ratio must be in (0, 1]");
   require(min_matches >= 3, "min_matches must be at least 3");
   require(min_ransac_inliers >= 3, "min_ransac_inliers must be at least 3");
+  require(final_radius_px > 0, "final_radius_px must be positive");
   require(guided_radius_px > 0, "guided_radius_px must be positive");
   require(guided_max_distance > 0 && guided_max_distance <= 256,
           "guided_max_distance must be in 1..256");
@@ -95,6 +96,7 @@ std::vector<LoopVerifier::Match> LoopVerifier::MatchAll(const KeyframeFeatures& 
 std::vector<LoopVerifier::Match> LoopVerifier::MatchGuided(const KeyframeFeatures& points,
                                                            const KeyframeFeatures& image,
                                                            const Rigid3& T_image_points,
+                                                           double radius_px,
                                                            int* visible) const {
   const KeypointGrid grid(image.keypoints, camera_->width(), camera_->height(), kGridCellPx);
   const Rigid3 T_C_points = image.T_B_C.Inverse() * T_image_points;
@@ -107,15 +109,14 @@ std::vector<LoopVerifier::Match> LoopVerifier::MatchGuided(const KeyframeFeature
     ++*visible;
     Match best{static_cast<int>(i), -1};
     int best_distance = options_.guided_max_distance + 1;
-    grid.ForEachNear(
-        pixel->cast<float>(), static_cast<float>(options_.guided_radius_px), [&](int keypoint) {
-          const int distance = HammingDistance(
-              points.point_descriptors[i], image.descriptors[static_cast<std::size_t>(keypoint)]);
-          if (distance < best_distance) {
-            best_distance = distance;
-            best.keypoint = keypoint;
-          }
-        });
+    grid.ForEachNear(pixel->cast<float>(), static_cast<float>(radius_px), [&](int keypoint) {
+      const int distance = HammingDistance(points.point_descriptors[i],
+                                           image.descriptors[static_cast<std::size_t>(keypoint)]);
+      if (distance < best_distance) {
+        best_distance = distance;
+        best.keypoint = keypoint;
+      }
+    });
     if (best.keypoint >= 0) {
       matches.push_back(best);
     }
@@ -132,8 +133,8 @@ void LoopVerifier::AddObservations(const std::vector<Match>& matches,
     PointObservation o;
     o.point = ToDouble(points.points_B[static_cast<std::size_t>(match.point)]);
     const Eigen::Vector3d from_camera = o.point - points.T_B_C.t;
-    o.point_depth = from_camera.norm();
-    o.sight = from_camera / std::max(1e-9, o.point_depth);
+    o.sight = from_camera.normalized();
+    o.depth_sigma = points.point_depth_sigmas[static_cast<std::size_t>(match.point)];
     const Eigen::Vector2f& pixel = image.keypoints[static_cast<std::size_t>(match.keypoint)];
     o.bearing = image.T_B_C.q * camera_->Unproject(pixel.cast<double>());
     o.centre = image.T_B_C.t;
@@ -141,6 +142,23 @@ void LoopVerifier::AddObservations(const std::vector<Match>& matches,
     problem->observations.push_back(o);
     problem->matches.push_back(match);
   }
+}
+
+void LoopVerifier::MatchBothWays(const KeyframeFeatures& current,
+                                 const KeyframeFeatures& old,
+                                 const Rigid3& T_old_current,
+                                 double radius_px,
+                                 Problem* problem,
+                                 int* visible) const {
+  *problem = Problem{};
+  *visible = 0;
+  AddObservations(
+      MatchGuided(current, old, T_old_current, radius_px, visible), current, old, false, problem);
+  AddObservations(MatchGuided(old, current, T_old_current.Inverse(), radius_px, visible),
+                  old,
+                  current,
+                  true,
+                  problem);
 }
 
 Verification LoopVerifier::Verify(const KeyframeFeatures& current,
@@ -174,14 +192,16 @@ Verification LoopVerifier::Verify(const KeyframeFeatures& current,
       RefineRelativePose(ransac.T_O_U, supported, gravity, true, focal, options_.pose);
 
   Problem guided;
-  AddObservations(MatchGuided(current, old, pose.T_O_U, &v.visible), current, old, false, &guided);
-  AddObservations(
-      MatchGuided(old, current, pose.T_O_U.Inverse(), &v.visible), old, current, true, &guided);
+  MatchBothWays(current, old, pose.T_O_U, options_.guided_radius_px, &guided, &v.visible);
   v.guided = static_cast<int>(guided.observations.size());
   if (v.guided < options_.min_ransac_inliers) {
     v.reason = RejectReason::kTooFewInliers;
     return v;
   }
+  // Once more, closer around the better pose: the wide window lets wrong neighbours in.
+  pose = RefineRelativePose(pose.T_O_U, guided.observations, gravity, true, focal, options_.pose);
+  MatchBothWays(current, old, pose.T_O_U, options_.final_radius_px, &guided, &v.visible);
+  v.guided = static_cast<int>(guided.observations.size());
   const RefinedPose free =
       RefineRelativePose(pose.T_O_U, guided.observations, gravity, false, focal, options_.pose);
   v.gravity_disagreement = GravityDisagreement(free.T_O_U, gravity);

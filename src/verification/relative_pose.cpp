@@ -145,7 +145,7 @@ Linearised Linearise(const PointObservation& o,
   const Eigen::Vector2d r = focal_px * basis.transpose() * direction;
   result.reprojection_px2 = r.squaredNorm();
   // Depth noise moves the point along its ray: a rank-one covariance in the observing image.
-  const Eigen::Vector2d u = to_pixels * sight * (options.point_depth_sigma_ratio * o.point_depth);
+  const Eigen::Vector2d u = to_pixels * sight * o.depth_sigma;
   const Eigen::Matrix2d S =
       options.pixel_sigma * options.pixel_sigma * Eigen::Matrix2d::Identity() + u * u.transpose();
   const Eigen::Matrix2d L = S.llt().matrixL();

@@ -117,8 +117,10 @@ class LoopCloser {
   /// Accepted loops in the graph now.
   std::vector<LoopReport> accepted_loops() const;
 
-  /// Whole map (keyframes, descriptors, graph) to a directory, crash-safe: a manifest is renamed
-  /// into place last. Throws InputError when it can't be written.
+  /// Writes the whole map (keyframes, features, graph) to `directory`/map.dvm: versioned,
+  /// checksummed, renamed into place when complete. Words are not in it; they are looked up again
+  /// at loading, so that a map can be opened with another vocabulary for the same descriptor.
+  /// Throws InputError when it can't be written.
   void Save(const std::filesystem::path& directory) const;
 
   /// Replaces the content with a saved map; its sequences stay fixed parts of the map that a new

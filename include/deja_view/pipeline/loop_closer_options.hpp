@@ -18,7 +18,8 @@ struct CandidateOptions {
   double min_score = 0.0;      ///< place score below which an entry is not tried
   double island_gap_s = 1.5;   ///< [s] retrieved keyframes closer than this form one island
   int members_per_island = 2;  ///< best members of an island that are verified
-  int max_verified = 5;        ///< candidates verified per keyframe at most
+  int max_verified = 8;        ///< candidates verified per keyframe at most
+  int max_loops = 3;           ///< a keyframe that has so many loops is not verified further
   // Where the corrected trajectory says that the drone has been.
   int nearby = 3;                  ///< keyframes near the corrected pose that are tried, 0: none
   double nearby_distance_m = 3.0;  ///< [m]
@@ -32,6 +33,7 @@ struct CandidateOptions {
     v("island_gap_s", island_gap_s);
     v("members_per_island", members_per_island);
     v("max_verified", max_verified);
+    v("max_loops", max_loops);
     v("nearby", nearby);
     v("nearby_distance_m", nearby_distance_m);
     v("nearby_angle_deg", nearby_angle_deg);
@@ -40,7 +42,7 @@ struct CandidateOptions {
 
 /// When the pose graph is solved.
 struct SolveOptions {
-  int every_loops = 20;  ///< accepted loops after which the graph is solved
+  int every_loops = 100;  ///< accepted loops after which the graph is solved
   double surprise =
       4.0;          ///< [sigma] a loop that disagrees more with the present state: solved at once
   int latency = 2;  ///< keyframes until a solution is taken over...
@@ -60,7 +62,7 @@ struct SolveOptions {
 
 /// Everything that LoopCloser can be told; `Validate` lists all violations at once.
 struct LoopCloserOptions {
-  BriefOptions features;
+  FeatureOptions features;
   PlaceDatabaseOptions place;
   CandidateOptions candidates;
   LoopVerifierOptions verification;
@@ -76,6 +78,11 @@ struct LoopCloserOptions {
   double max_point_error_px =
       4.0;  ///< tracked points that miss their own pixel by more are left out
   double max_point_depth_m = 60.0;  ///< [m]
+  /// Depth noise of a tracked point with depth d [m] and parallax angle a [rad] over its track:
+  /// sigma / d = hypot(floor, track_sigma_px / (focal length a)), at most max.
+  double point_sigma_floor = 0.02;
+  double point_track_sigma_px = 1.0;
+  double point_sigma_max = 0.15;
 
   template <typename Visitor>
   void Visit(Visitor& v) {
@@ -91,6 +98,9 @@ struct LoopCloserOptions {
     v("max_speed_mps", max_speed_mps);
     v("max_point_error_px", max_point_error_px);
     v("max_point_depth_m", max_point_depth_m);
+    v("point_sigma_floor", point_sigma_floor);
+    v("point_track_sigma_px", point_track_sigma_px);
+    v("point_sigma_max", point_sigma_max);
   }
   std::vector<std::string> Validate() const;
 };

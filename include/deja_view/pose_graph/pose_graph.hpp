@@ -11,12 +11,14 @@ namespace deja_view {
 
 struct PoseGraphOptions {
   // VIO's drift as a random walk between consecutive keyframes.
-  double odometry_sigma_floor_m = 0.001;            ///< [m] per step
-  double odometry_sigma_per_sqrt_m = 0.012;         ///< [m / sqrt(m)]
-  double odometry_yaw_sigma_floor_deg = 0.005;      ///< [deg] per step
-  double odometry_yaw_sigma_per_sqrt_m_deg = 0.08;  ///< [deg / sqrt(m)]
+  double odometry_sigma_floor_m = 0.001;           ///< [m] per step
+  double odometry_sigma_per_sqrt_m = 0.018;        ///< [m / sqrt(m)]
+  double odometry_yaw_sigma_floor_deg = 0.005;     ///< [deg] per step
+  double odometry_yaw_sigma_per_sqrt_m_deg = 0.2;  ///< [deg / sqrt(m)]
   // What a loop's own covariance does not know: common errors of the points (scale, window drift).
-  double loop_sigma_floor_m = 0.02;        ///< [m] per axis
+  double loop_sigma_floor_m = 0.01;  ///< [m] per axis
+  double loop_sigma_per_m = 0.005;   ///< [m/m] more per metre between the two bodies
+  double loop_scale_sigma = 0.05;    ///< of the distance: the scale of the VIO's points wavers
   double loop_yaw_sigma_floor_deg = 0.15;  ///< [deg]
   double kernel_scale = 3.0;               ///< [sigma] of the Geman-McClure kernel on loops
   double kernel_graduation = 2.0;          ///< factor by which the kernel narrows per round, > 1
@@ -29,6 +31,8 @@ struct PoseGraphOptions {
     v("odometry_yaw_sigma_floor_deg", odometry_yaw_sigma_floor_deg);
     v("odometry_yaw_sigma_per_sqrt_m_deg", odometry_yaw_sigma_per_sqrt_m_deg);
     v("loop_sigma_floor_m", loop_sigma_floor_m);
+    v("loop_sigma_per_m", loop_sigma_per_m);
+    v("loop_scale_sigma", loop_scale_sigma);
     v("loop_yaw_sigma_floor_deg", loop_yaw_sigma_floor_deg);
     v("kernel_scale", kernel_scale);
     v("kernel_graduation", kernel_graduation);
@@ -66,6 +70,11 @@ class PoseGraph {
  public:
   explicit PoseGraph(const PoseGraphOptions& options) : options_(options) {}
 
+  /// A graph from saved parts, each node where it is; the loops tell which sequences are joined.
+  static PoseGraph FromParts(const PoseGraphOptions& options,
+                             std::vector<PoseGraphNode> nodes,
+                             std::vector<PoseGraphLoop> loops);
+
   /// Appends a node; it starts where the drift of the node before it (same sequence) puts it.
   int AddNode(int sequence, const Rigid3& T_W_B, bool is_fixed = false);
   /// Adds a loop; both nodes must exist. The first loop between two unjoined groups of sequences
@@ -102,6 +111,8 @@ class PoseGraph {
   /// True when a chain of loops ties the sequence to the anchor.
   bool IsAnchored(int sequence) const;
   /// True when a chain of loops ties the two sequences to each other.
+  /// Covariance [m^2] of a loop's translation beyond its own: common errors of its points.
+  Eigen::Matrix3d LoopCommonCovariance(const Eigen::Vector3d& t_from_to) const;
   bool AreJoined(int a, int b) const { return Group(a) == Group(b); }
   /// Root-information-weighted squared error of a loop at the present state (chi-squared, 4
   /// degrees).

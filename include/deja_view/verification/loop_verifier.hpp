@@ -24,6 +24,7 @@ struct KeyframeFeatures {
   std::vector<Descriptor> descriptors;        ///< of the keypoints
   std::vector<Eigen::Vector3f> points_B;      ///< [m] tracked points in the body frame
   std::vector<Eigen::Vector2f> point_pixels;  ///< [px] where the VIO tracked them
+  std::vector<float> point_depth_sigmas;      ///< [m] along the camera's ray
   std::vector<std::int64_t> point_ids;        ///< the VIO's feature ids
   std::vector<Descriptor> point_descriptors;  ///< described at point_pixels
 
@@ -38,11 +39,12 @@ struct LoopVerifierOptions {
   int min_matches = 10;
   int min_ransac_inliers = 8;
   // Guided matching around the reprojection.
-  double guided_radius_px = 8.0;
-  int guided_max_distance = 80;  ///< [bits]
+  double guided_radius_px = 12.0;  ///< around the first pose
+  double final_radius_px = 6.0;    ///< around the pose refined from these
+  int guided_max_distance = 80;    ///< [bits]
   // Gates.
   int min_inliers = 25;
-  double min_inlier_ratio = 0.3;  ///< of the points that fall into the other image
+  double min_inlier_ratio = 0.2;  ///< of the points that fall into the other image
   int min_cells = 6;              ///< of an 8 x 6 grid on each image that inliers must occupy
   double max_distance_m = 6.0;
   double max_yaw_deg = 90.0;
@@ -57,6 +59,7 @@ struct LoopVerifierOptions {
     v("min_matches", min_matches);
     v("min_ransac_inliers", min_ransac_inliers);
     v("guided_radius_px", guided_radius_px);
+    v("final_radius_px", final_radius_px);
     v("guided_max_distance", guided_max_distance);
     v("min_inliers", min_inliers);
     v("min_inlier_ratio", min_inlier_ratio);
@@ -116,7 +119,14 @@ class LoopVerifier {
   std::vector<Match> MatchGuided(const KeyframeFeatures& points,
                                  const KeyframeFeatures& image,
                                  const Rigid3& T_image_points,
+                                 double radius_px,
                                  int* visible) const;
+  void MatchBothWays(const KeyframeFeatures& current,
+                     const KeyframeFeatures& old,
+                     const Rigid3& T_old_current,
+                     double radius_px,
+                     Problem* problem,
+                     int* visible) const;
   void AddObservations(const std::vector<Match>& matches,
                        const KeyframeFeatures& points,
                        const KeyframeFeatures& image,

@@ -20,7 +20,7 @@ struct PointObservation {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< [m] in the body that located it
   Eigen::Vector3d sight =
       Eigen::Vector3d::UnitZ();  ///< unit, its camera's ray to `point`, same frame
-  double point_depth = 1.0;      ///< [m] distance of `point` from that camera
+  double depth_sigma = 0.0;      ///< [m] standard deviation of `point` along `sight`
   Eigen::Vector3d bearing = Eigen::Vector3d::UnitZ();  ///< unit, in the observing body's frame
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< [m] observing camera's centre, same frame
   bool is_reverse = false;  ///< false: point in U, seen from O; true: point in O, seen from U
@@ -40,13 +40,12 @@ std::vector<YawTransform> SolveTwoPointGravityPose(const GravityAlignedPoint& fi
                                                    const GravityAlignedPoint& second);
 
 struct RelativePoseOptions {
-  double inlier_threshold_px = 4.0;       ///< in the final count; along the ray's uncertainty more
-  double ransac_threshold_px = 8.0;       ///< for the two-point hypotheses
-  double point_depth_sigma_ratio = 0.03;  ///< standard deviation of a point's depth over its depth
-  double pixel_sigma = 1.0;               ///< [px] of a keypoint
-  double tilt_sigma_deg = 0.3;  ///< roll and pitch of VIO, as a prior in the final estimate
-  int max_iterations = 300;     ///< of RANSAC
-  int max_refinements = 10;     ///< Gauss-Newton steps
+  double inlier_threshold_px = 4.0;  ///< in the final count; along the ray's uncertainty more
+  double ransac_threshold_px = 8.0;  ///< for the two-point hypotheses
+  double pixel_sigma = 1.0;          ///< [px] of a keypoint
+  double tilt_sigma_deg = 0.3;       ///< roll and pitch of VIO, as a prior in the final estimate
+  int max_iterations = 300;          ///< of RANSAC
+  int max_refinements = 10;          ///< Gauss-Newton steps
   double confidence = 0.999;
   std::uint32_t seed = 1;
 
@@ -54,7 +53,6 @@ struct RelativePoseOptions {
   void Visit(Visitor& v) {
     v("inlier_threshold_px", inlier_threshold_px);
     v("ransac_threshold_px", ransac_threshold_px);
-    v("point_depth_sigma_ratio", point_depth_sigma_ratio);
     v("pixel_sigma", pixel_sigma);
     v("tilt_sigma_deg", tilt_sigma_deg);
     v("max_iterations", max_iterations);

@@ -52,9 +52,9 @@ Scene MakeScene(const SceneOptions& options) {
     o.is_reverse = is_reverse;
     o.centre = scene.T_B_C.t;
     o.sight = scene.T_B_C.q * p_C.normalized();
-    o.point_depth = p_C.norm();
+    o.depth_sigma = std::max(0.01, options.depth_noise) * p_C.norm();
     const Eigen::Vector3d truth = scene.T_B_C * p_C;
-    o.point = truth + o.sight * (options.depth_noise * o.point_depth * normal(rng));
+    o.point = truth + o.sight * (options.depth_noise * p_C.norm() * normal(rng));
     const Eigen::Vector3d seen = T_W_seeing.Inverse() * (T_W_located * truth) - o.centre;
     o.bearing = (seen.normalized() + options.pixel_noise / kFocal *
                                          Eigen::Vector3d(normal(rng), normal(rng), normal(rng)))
