@@ -68,7 +68,15 @@ class SlotSums {
     }
     const std::uint32_t* list = set.list();
     Sum* sums = sums_.data();
-    for (std::uint32_t i = 0, size = set.size(); i < size; ++i) {
+    const std::uint32_t size = set.size();
+    std::uint32_t i = 0;
+    for (; i + 4 <= size; i += 4) {  // unrolled: the loop itself would take a quarter of the time
+      sums[list[i]] += weight;
+      sums[list[i + 1]] += weight;
+      sums[list[i + 2]] += weight;
+      sums[list[i + 3]] += weight;
+    }
+    for (; i < size; ++i) {
       sums[list[i]] += weight;
     }
   }

@@ -16,7 +16,7 @@ bool IsWanted(const SlotEntry& entry, const PlaceQuery& query) {
 // meanwhile.
 template <typename Index, typename F>
 void ForEachWord(const Index& index, const BowVector& bow, F f) {
-  constexpr std::size_t kAhead = 8;
+  constexpr std::size_t kAhead = 4;
   const std::vector<WordCount>& entries = bow.entries;
   for (std::size_t i = 0; i < entries.size(); ++i) {
     if (i + 2 * kAhead < entries.size()) {

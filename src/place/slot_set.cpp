@@ -8,7 +8,7 @@ namespace {
 // A set becomes a bitmap when it holds more than one slot in this many; measured, going through the
 // list takes longer from there on. It stays one, for a bitmap ends with its last slot and so costs
 // no more when the database grows.
-constexpr std::uint32_t kBitmapRatio = 16;
+constexpr std::uint32_t kBitmapRatio = 20;
 constexpr std::uint32_t kSmallestBitmap = 64;  // slots; before, a list does as well
 
 // A quarter more, which wastes an eighth on average.

@@ -24,8 +24,9 @@ class SlotSet {
 
   /// The start of the list or bitmap will be read soon.
   void Prefetch() const {
-    __builtin_prefetch(data_.get());
-    __builtin_prefetch(data_.get() + 16);
+    for (std::uint32_t i = 0; i < 128; i += 16) {
+      __builtin_prefetch(data_.get() + i);
+    }
   }
 
   /// Adds a slot that is not in the set; `slots` is how many there are in the database.
