@@ -71,7 +71,7 @@ struct LoopCloserOptions {
   SolveOptions solve;
   /// A keyframe becomes a place to recognise only when the map has none within this distance and
   /// angle; 0: every keyframe does.
-  double map_spacing_m = 0.0;
+  double map_spacing_m = 0.5;
   double map_spacing_deg = 30.0;
   double max_speed_mps =
       40.0;  ///< [m/s] a faster jump between keyframes means that the VIO started anew
