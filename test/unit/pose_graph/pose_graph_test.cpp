@@ -180,6 +180,41 @@ TEST(PoseGraph, SolvesTheSameBitsTwice) {
   }
 }
 
+TEST(PoseGraph, IsRestoredFromItsParts) {
+  const Flight flight = MakeFlight(60, 3, 8);
+  PoseGraph graph{PoseGraphOptions{}};
+  for (int i = 0; i < 180; ++i) {
+    graph.AddNode(i / 60, flight.vio[static_cast<std::size_t>(i)], i < 60);
+  }
+  for (int i = 5; i < 60; i += 10) {
+    graph.AddLoop(TrueLoop(flight, i, i + 60));
+  }
+  graph.Solve();
+  const PoseGraph restored = PoseGraph::FromParts(graph.options(), graph.nodes(), graph.loops());
+  ASSERT_EQ(restored.size(), graph.size());
+  for (std::size_t i = 0; i < graph.nodes().size(); ++i) {
+    EXPECT_EQ(restored.nodes()[i].t_M_B, graph.nodes()[i].t_M_B);
+    EXPECT_EQ(restored.nodes()[i].psi, graph.nodes()[i].psi);
+    EXPECT_EQ(restored.nodes()[i].is_fixed, i < 60);
+  }
+  ASSERT_EQ(restored.loops().size(), graph.loops().size());
+  EXPECT_EQ(restored.loops()[2].weight, graph.loops()[2].weight);
+  EXPECT_TRUE(restored.AreJoined(0, 1));
+  EXPECT_FALSE(restored.IsAnchored(2));
+  EXPECT_EQ(restored.PathLength(70, 110), graph.PathLength(70, 110));
+}
+
+TEST(PoseGraph, PartsMustFitTogether) {
+  const Flight flight = MakeFlight(10, 1, 9);
+  const PoseGraph graph = MakeGraph(flight);
+  PoseGraphLoop loop = TrueLoop(flight, 1, 5);
+  loop.to = 10;
+  EXPECT_THROW(PoseGraph::FromParts(graph.options(), graph.nodes(), {loop}), CheckError);
+  loop.to = 5;
+  loop.from = -1;
+  EXPECT_THROW(PoseGraph::FromParts(graph.options(), graph.nodes(), {loop}), CheckError);
+}
+
 TEST(PoseGraph, ChecksItsArgumentsAndOptions) {
   PoseGraph graph{PoseGraphOptions{}};
   graph.AddNode(0, {});

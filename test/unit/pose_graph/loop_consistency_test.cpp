@@ -1,0 +1,215 @@
+#include "deja_view/pose_graph/loop_consistency.hpp"
+
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace deja_view {
+namespace {
+
+using State = LoopConsistency::State;
+
+constexpr int kPerRound = 40;
+constexpr double kDegree = 3.14159265358979323846 / 180.0;
+
+/// Pose `i` of a circle of 2 m radius: 0.31 m of path per pose.
+Rigid3 Truth(int i) {
+  const double angle = 2.0 * 3.14159265358979323846 * i / kPerRound;
+  return {FromYaw(angle) * ExpSo3({0.1, 0.05, 0}),
+          {2 * std::cos(angle), 2 * std::sin(angle), 1 + 0.1 * std::sin(3 * angle)}};
+}
+
+/// Two rounds of perfect odometry; from `jump_at` on displaced by `jump`.
+PoseGraph MakeGraph(const Rigid3& jump = {}, int jump_at = 2 * kPerRound) {
+  PoseGraph graph{PoseGraphOptions{}};
+  for (int i = 0; i < 2 * kPerRound; ++i) {
+    graph.AddNode(0, i < jump_at ? Truth(i) : jump * Truth(i));
+  }
+  return graph;
+}
+
+PoseGraphLoop TrueLoop(int from, int to) {
+  PoseGraphLoop loop;
+  loop.from = from;
+  loop.to = to;
+  loop.T_from_to = Truth(from).Inverse() * Truth(to);
+  loop.covariance = Eigen::Matrix<double, 6, 6>::Identity() * 1e-5;
+  return loop;
+}
+
+/// All wrong loops with the same `error` (in the world) agree with each other.
+PoseGraphLoop WrongLoop(int from, int to, const Rigid3& error) {
+  PoseGraphLoop loop = TrueLoop(from, to);
+  loop.T_from_to = Truth(from).Inverse() * error * Truth(to);
+  return loop;
+}
+
+/// Adds loops from i to i + 40 for each i, accepted ones to the graph too; returns the accepted
+/// tags.
+std::vector<int> AddTrueLoops(const std::vector<int>& from,
+                              LoopConsistency* consistency,
+                              PoseGraph* graph) {
+  std::vector<int> tags;
+  for (const int i : from) {
+    for (const auto& entry : consistency->Add(TrueLoop(i, i + kPerRound), i, *graph)) {
+      EXPECT_EQ(entry.state, State::kAccepted);
+      graph->AddLoop(entry.loop);
+      tags.push_back(entry.tag);
+    }
+  }
+  return tags;
+}
+
+TEST(LoopConsistency, ASingleLoopWaits) {
+  PoseGraph graph = MakeGraph();
+  LoopConsistency consistency({});
+  EXPECT_TRUE(AddTrueLoops({3}, &consistency, &graph).empty());
+  EXPECT_EQ(consistency.last_state(), State::kPending);
+}
+
+TEST(LoopConsistency, AgreeingLoopsAreAcceptedWithThoseThatWaited) {
+  PoseGraph graph = MakeGraph();
+  LoopConsistency consistency({});
+  EXPECT_TRUE(AddTrueLoops({3, 5}, &consistency, &graph).empty());
+  EXPECT_EQ(AddTrueLoops({7}, &consistency, &graph), std::vector<int>({3, 5, 7}));
+  EXPECT_EQ(consistency.last_state(), State::kAccepted);
+  EXPECT_EQ(AddTrueLoops({9}, &consistency, &graph), std::vector<int>({9}));
+}
+
+TEST(LoopConsistency, WithoutMinSupportEveryPlausibleLoopIsBelieved) {
+  PoseGraph graph = MakeGraph();
+  LoopConsistencyOptions options;
+  options.min_support = 0;
+  LoopConsistency consistency(options);
+  EXPECT_EQ(AddTrueLoops({3}, &consistency, &graph), std::vector<int>({3}));
+}
+
+TEST(LoopConsistency, RefusesLoopsThatContradictAcceptedOnes) {
+  PoseGraph graph = MakeGraph();
+  LoopConsistencyOptions options;
+  options.plausible_m = 100;
+  LoopConsistency consistency(options);
+  ASSERT_EQ(AddTrueLoops({3, 5, 7, 9}, &consistency, &graph).size(), 4U);
+  const Rigid3 error{Eigen::Quaterniond::Identity(), {1.5, 0.4, 0}};
+  for (const int i : {4, 6, 8, 10}) {
+    EXPECT_TRUE(consistency.Add(WrongLoop(i, i + kPerRound, error), 100 + i, graph).empty());
+    EXPECT_EQ(consistency.last_state(), State::kPending);
+  }
+  EXPECT_EQ(AddTrueLoops({11}, &consistency, &graph), std::vector<int>({11}));
+}
+
+TEST(LoopConsistency, ALoopThatFitsNothingIsRefusedAndHoldsUpNothing) {
+  PoseGraph graph = MakeGraph();
+  LoopConsistency consistency({});
+  const Rigid3 error{Eigen::Quaterniond::Identity(), {0, 0.5, 0}};
+  EXPECT_TRUE(consistency.Add(WrongLoop(2, 2 + kPerRound, error), 100, graph).empty());
+  EXPECT_EQ(AddTrueLoops({3, 5, 7}, &consistency, &graph), std::vector<int>({3, 5, 7}));
+}
+
+/// An odometry that jumped by `jump` between the two rounds, as loops that all agree claim.
+State StateAfterLoops(const Rigid3& jump, int count) {
+  PoseGraph graph = MakeGraph(jump, 30);
+  LoopConsistencyOptions options;
+  options.override_support = 5;
+  LoopConsistency consistency(options);
+  for (int i = 0; i < count; ++i) {
+    consistency.Add(TrueLoop(i, i + kPerRound), i, graph);
+  }
+  return consistency.last_state();
+}
+
+TEST(LoopConsistency, ImplausibleDriftNeedsVeryManyLoops) {
+  const Rigid3 small{Eigen::Quaterniond::Identity(), {0, 0.3, 0}};
+  const Rigid3 far{Eigen::Quaterniond::Identity(), {0, 2.5, 0}};
+  EXPECT_EQ(StateAfterLoops(small, 3), State::kAccepted);
+  EXPECT_EQ(StateAfterLoops(far, 3), State::kImplausible);
+  EXPECT_EQ(StateAfterLoops(far, 5), State::kImplausible);
+  EXPECT_EQ(StateAfterLoops(far, 6), State::kAccepted);
+}
+
+TEST(LoopConsistency, ImplausibleYawNeedsVeryManyLoops) {
+  // Turned about the drone, so that nearly nothing but yaw is wrong.
+  const auto turn = [](double degrees) {
+    const Rigid3 T{FromYaw(degrees * kDegree), Eigen::Vector3d::Zero()};
+    return Rigid3{T.q, Truth(41).t - T.q * Truth(41).t};
+  };
+  EXPECT_EQ(StateAfterLoops(turn(3), 3), State::kAccepted);
+  EXPECT_EQ(StateAfterLoops(turn(12), 3), State::kImplausible);
+  EXPECT_EQ(StateAfterLoops(turn(12), 6), State::kAccepted);
+}
+
+TEST(LoopConsistency, JoiningTwoWorldsNeedsMoreSupport) {
+  PoseGraph graph{PoseGraphOptions{}};
+  const Rigid3 other_world{FromYaw(2), {50, 20, 5}};
+  for (int i = 0; i < 2 * kPerRound; ++i) {
+    graph.AddNode(i / kPerRound, i < kPerRound ? Truth(i) : other_world * Truth(i));
+  }
+  LoopConsistency consistency({});
+  EXPECT_TRUE(AddTrueLoops({3, 5, 7, 9}, &consistency, &graph).empty());
+  EXPECT_EQ(AddTrueLoops({11}, &consistency, &graph), std::vector<int>({3, 5, 7, 9, 11}));
+  EXPECT_TRUE(graph.AreJoined(0, 1));
+}
+
+TEST(LoopConsistency, LoopsOfOneKeyframeDoNotSupportEachOther) {
+  PoseGraph graph = MakeGraph();
+  LoopConsistency consistency({});
+  for (const int from : {3, 4, 5, 6}) {
+    EXPECT_TRUE(consistency.Add(TrueLoop(from, 45), from, graph).empty());
+  }
+  EXPECT_EQ(consistency.Add(TrueLoop(5, 46), 10, graph).size(), 1U);
+}
+
+TEST(LoopConsistency, ComparesOnlyOverShortOdometryOfTheSameSequences) {
+  PoseGraph graph{PoseGraphOptions{}};
+  for (int i = 0; i < 200; ++i) {
+    graph.AddNode(i / 100, Truth(i));
+  }
+  LoopConsistencyOptions options;
+  options.max_path_m = 5;
+  const LoopConsistency consistency(options);
+  const auto compare = [&](int from_a, int to_a, int from_b, int to_b) {
+    return consistency.Compare(TrueLoop(from_a, to_a), TrueLoop(from_b, to_b), graph);
+  };
+  EXPECT_TRUE(compare(5, 45, 10, 50).is_comparable);
+  EXPECT_TRUE(compare(5, 45, 10, 50).agrees);
+  EXPECT_FALSE(compare(5, 45, 25, 50).is_comparable) << "20 poses, 6.3 m, on the old side";
+  EXPECT_FALSE(compare(5, 45, 10, 65).is_comparable);
+  EXPECT_FALSE(compare(5, 45, 10, 130).is_comparable) << "another sequence";
+  EXPECT_FALSE(compare(5, 145, 110, 150).is_comparable);
+  const Rigid3 yawed{FromYaw(0.1), Eigen::Vector3d::Zero()};
+  const auto turned = consistency.Compare(TrueLoop(5, 45), WrongLoop(10, 50, yawed), graph);
+  EXPECT_TRUE(turned.is_comparable);
+  EXPECT_FALSE(turned.agrees);
+}
+
+TEST(LoopConsistency, ForgetsWhatIsOlderThanItsWindow) {
+  PoseGraph graph = MakeGraph();
+  LoopConsistencyOptions options;
+  options.window = 2;
+  LoopConsistency consistency(options);
+  EXPECT_TRUE(AddTrueLoops({3, 5, 7, 9}, &consistency, &graph).empty());
+}
+
+TEST(LoopConsistencyOptions, ListsAllViolations) {
+  EXPECT_TRUE(LoopConsistencyOptions{}.Validate().empty());
+  LoopConsistencyOptions options;
+  options.min_support = -1;
+  options.min_support_join = -1;
+  options.max_support_ratio = -1;
+  options.window = 0;
+  options.max_path_m = 0;
+  options.max_sigmas = 0;
+  options.plausible_m = 0;
+  options.plausible_m_per_m = -1;
+  options.plausible_yaw_deg = 0;
+  options.plausible_yaw_deg_per_m = -1;
+  options.override_support = 0;
+  const auto errors = options.Validate();
+  ASSERT_EQ(errors.size(), 11U);
+  EXPECT_EQ(errors.front(), "min_support must not be negative");
+  EXPECT_EQ(errors.back(), "override_support must be at least 1");
+}
+
+}  // namespace
+}  // namespace deja_view
