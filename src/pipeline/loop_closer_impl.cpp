@@ -326,6 +326,7 @@ void LoopCloser::Impl::FindLoops(KeyframeReport* report) {
     found += is_believed ? 1 : 0;
     if (is_believed && !report->relocalisation) {
       report->relocalisation = MakeRelocalisation(loop, verification);
+      keyframes.back().relocalised_old = loop.old;
     }
     if (found >= options.candidates.max_loops) {
       break;
@@ -379,13 +380,16 @@ KeyframeReport LoopCloser::Impl::AddKeyframe(const KeyframeInput& input) {
   CheckInput(input);
   KeyframeReport report;
   Stopwatch watch;
+  report.is_new_sequence = StartsSequence(input);
+  if (report.is_new_sequence) {
+    tracks_.clear();  // another world, and perhaps the same ids
+  }
   StoredKeyframe keyframe;
   ExtractFeatures(input, &keyframe);
   report.times.features = watch.LapMs();
   keyframe.bow = vocabulary->Bag(keyframe.features.descriptors);
   report.times.words = watch.LapMs();
 
-  report.is_new_sequence = StartsSequence(input);
   sequence += report.is_new_sequence ? 1 : 0;
   starts_sequence_ = false;
   keyframe.stamp_ns = input.stamp_ns;
@@ -457,11 +461,12 @@ void LoopCloser::Impl::OptimizeFully() {
 bool LoopCloser::Impl::UpdateLoop(int current, const Rigid3& T_Bold_Bcurrent) {
   constexpr double kMaxChange =
       0.5;  // [m], [rad]: the refined pose is near the loop's or it is wrong
-  if (!T_Bold_Bcurrent.IsFinite()) {
+  if (!T_Bold_Bcurrent.IsFinite() || current < 0 || current >= static_cast<int>(keyframes.size())) {
     return false;
   }
+  const int old = keyframes[static_cast<std::size_t>(current)].relocalised_old;
   for (auto it = accepted.rbegin(); it != accepted.rend(); ++it) {
-    if (it->current == current) {
+    if (it->current == current && it->old == old) {
       const Rigid3 change = it->T_Bold_Bcurrent.Inverse() * T_Bold_Bcurrent;
       if (change.t.norm() > kMaxChange || RotationAngle(change.q) > kMaxChange) {
         return false;

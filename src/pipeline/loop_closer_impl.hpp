@@ -19,7 +19,8 @@ namespace deja_view {
 struct StoredKeyframe {
   std::int64_t stamp_ns = 0;
   int sequence = 0;
-  bool is_place = false;  ///< in the place database, with features
+  bool is_place = false;     ///< in the place database, with features
+  int relocalised_old = -1;  ///< of the relocalisation that the VIO was told of
   KeyframeFeatures features;
   BowVector bow;
 };

@@ -94,8 +94,8 @@ class LoopCloser {
   KeyframeReport AddKeyframe(const KeyframeInput& input);
 
   /// The VIO's own measurement after fast relocalisation: pose of keyframe `current` relative to
-  /// the old keyframe of its newest loop, refined over the VIO's window. Ignored, with false, when
-  /// that keyframe has no loop or the pose is far from the loop's.
+  /// the old keyframe of its Relocalisation, refined over the VIO's window. Ignored, with false,
+  /// when that keyframe had none or the pose is far from the loop's.
   bool UpdateLoop(int current, const Rigid3& T_Bold_Bcurrent);
 
   /// Solves the graph to convergence over everything added so far; call at the end of a flight.

@@ -4,7 +4,7 @@
 #include "deja_view/sim/simulator.hpp"
 
 #include <memory>
-#include <string>
+#include <utility>
 #include <vector>
 
 namespace deja_view::test {
@@ -51,6 +51,36 @@ inline std::shared_ptr<const Vocabulary> FlightVocabulary() {
 inline LoopCloser MakeCloser(std::uint64_t session) {
   const sim::RecordedFlight& flight = SmallFlight(session);
   return {FlightOptions(), flight.camera, flight.T_B_C, FlightVocabulary()};
+}
+
+/// What came of a flight.
+struct Outcome {
+  std::vector<KeyframeReport> reports;
+  std::vector<KeyframeInfo> keyframes;
+  std::vector<LoopReport> loops;
+  int places = 0;
+};
+
+/// The first session, whole.
+inline Outcome Fly(const LoopCloserOptions& options, SolveExecutor executor = {}) {
+  const sim::RecordedFlight& flight = SmallFlight(1);
+  LoopCloser closer(options, flight.camera, flight.T_B_C, FlightVocabulary(), std::move(executor));
+  Outcome outcome;
+  for (const KeyframeInput& keyframe : flight.keyframes) {
+    outcome.reports.push_back(closer.AddKeyframe(keyframe));
+  }
+  closer.OptimizeFully();
+  for (int i = 0; i < closer.keyframe_count(); ++i) {
+    outcome.keyframes.push_back(closer.keyframe(i));
+  }
+  outcome.loops = closer.accepted_loops();
+  outcome.places = closer.place_count();
+  return outcome;
+}
+
+inline const Outcome& DefaultOutcome() {
+  static const Outcome outcome = Fly(FlightOptions());
+  return outcome;
 }
 
 }  // namespace deja_view::test
