@@ -28,6 +28,9 @@ void MatchImages::Add(int index, const cv::Mat& grey) {
   std::vector<std::uint8_t> bytes;
   cv::imencode(".jpg", small, bytes, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
   bytes.shrink_to_fit();
+  if (!pictures_.empty() && index <= pictures_.back().first) {
+    pictures_.clear();  // another map was loaded
+  }
   pictures_.emplace_back(index, std::move(bytes));
   while (pictures_.size() > static_cast<std::size_t>(memory_)) {
     pictures_.pop_front();

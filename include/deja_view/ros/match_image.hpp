@@ -20,7 +20,8 @@ class MatchImages {
   /// `memory`: keyframes kept; 0 keeps none.
   explicit MatchImages(int memory) : memory_(memory) {}
 
-  /// `index` counts up. Costs about half a millisecond.
+  /// `index` counts up; one that does not means another map, and the pictures before are forgotten.
+  /// Costs about half a millisecond.
   void Add(int index, const cv::Mat& grey);
 
   /// Old and current keyframe side by side (CV_8UC3), the points that they share joined by lines;

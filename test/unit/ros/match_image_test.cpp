@@ -56,6 +56,14 @@ TEST_F(MatchImagesTest, ForgetsTheOldest) {
   EXPECT_TRUE(images.Draw(current_, 10, relocalisation_, camera_).has_value());
 }
 
+TEST_F(MatchImagesTest, AnotherMapMakesItForgetAll) {
+  MatchImages images(10);
+  images.Add(5, old_.image);
+  images.Add(9, current_.image);
+  images.Add(3, current_.image);
+  EXPECT_FALSE(images.Draw(current_, 9, relocalisation_, camera_).has_value());
+}
+
 TEST_F(MatchImagesTest, KeepsNothingWhenToldSo) {
   MatchImages images(0);
   images.Add(5, old_.image);
