@@ -64,6 +64,7 @@ constexpr const char* kShapes =
     "font-size:13px}\n"
     ".title{font-size:16px;font-weight:600}\n"
     ".small{font-size:12px}\n"
+    ".halo{stroke-width:4;stroke-linejoin:round;paint-order:stroke}\n"
     "path{fill:none;stroke-linejoin:round;stroke-linecap:round}\n"
     ".grid,.axis{stroke-width:1;stroke-linecap:butt}\n"
     ".scale{stroke-width:2;stroke-linecap:butt}\n"
@@ -93,8 +94,11 @@ std::string ErrorColor(const Palette& palette, int index) {
 }
 
 std::string Colors(const Palette& p) {
-  std::string css = fmt::format(
-      ".page{{fill:{}}}\ntext{{fill:{}}}\n.muted{{fill:{}}}\n", p.page, p.text, p.muted);
+  std::string css =
+      fmt::format(".page{{fill:{0}}}\ntext{{fill:{1}}}\n.muted{{fill:{2}}}\n.halo{{stroke:{0}}}\n",
+                  p.page,
+                  p.text,
+                  p.muted);
   AddStroke("grid", p.grid, &css);
   AddStroke("axis", p.axis, &css);
   AddStroke("scale", p.muted, &css);

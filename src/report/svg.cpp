@@ -2,6 +2,7 @@
 
 #include "deja_view/base/check.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -25,24 +26,57 @@ std::string Coordinates(const Point& p) {
   return FormatNumber(p.x()) + " " + FormatNumber(p.y());
 }
 
-/// Pieces of a line between its gaps, thinned.
-std::vector<std::vector<Point>> Pieces(const std::vector<Point>& points) {
-  constexpr double kNearest = 0.75;
-  std::vector<std::vector<Point>> pieces;
-  bool is_open = false;
+double DistanceToSegment(const Point& p, const Point& from, const Point& to) {
+  const Point along = to - from;
+  const double length2 = along.squaredNorm();
+  const double u = length2 > 0 ? std::clamp((p - from).dot(along) / length2, 0.0, 1.0) : 0.0;
+  return (p - from - u * along).norm();
+}
+
+/// The fewest points whose line stays within `tolerance` of all (Douglas and Peucker, 1973).
+std::vector<Point> Simplify(const std::vector<Point>& points, double tolerance) {
+  std::vector<bool> is_kept(points.size(), false);
+  is_kept.front() = is_kept.back() = true;
+  std::vector<std::pair<std::size_t, std::size_t>> open = {{0, points.size() - 1}};
+  while (!open.empty()) {
+    const auto [first, last] = open.back();
+    open.pop_back();
+    double largest = tolerance;
+    std::size_t farthest = first;
+    for (std::size_t i = first + 1; i < last; ++i) {
+      const double distance = DistanceToSegment(points[i], points[first], points[last]);
+      if (distance > largest) {
+        largest = distance;
+        farthest = i;
+      }
+    }
+    if (farthest != first) {
+      is_kept[farthest] = true;
+      open.emplace_back(first, farthest);
+      open.emplace_back(farthest, last);
+    }
+  }
+  std::vector<Point> kept;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!points[i].allFinite()) {
-      is_open = false;
-      continue;
+    if (is_kept[i]) {
+      kept.push_back(points[i]);
     }
-    if (!is_open) {
-      pieces.emplace_back();
-      is_open = true;
-    }
-    std::vector<Point>& piece = pieces.back();
-    const bool is_end = i + 1 == points.size() || !points[i + 1].allFinite();
-    if (piece.empty() || is_end || (points[i] - piece.back()).norm() >= kNearest) {
+  }
+  return kept;
+}
+
+/// Pieces of a line between its gaps, simplified.
+std::vector<std::vector<Point>> Pieces(const std::vector<Point>& points) {
+  constexpr double kTolerance = 0.1;
+  std::vector<std::vector<Point>> pieces;
+  std::vector<Point> piece;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (points[i].allFinite()) {
       piece.push_back(points[i]);
+    }
+    if (!piece.empty() && (i + 1 == points.size() || !points[i].allFinite())) {
+      pieces.push_back(Simplify(piece, kTolerance));
+      piece.clear();
     }
   }
   return pieces;

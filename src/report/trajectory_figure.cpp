@@ -172,7 +172,7 @@ void DrawPanel(const JudgedRun& run, const Panel& panel, const Plot& plot, doubl
     const Eigen::Vector3d& start = panel.positions.front();
     const Point mark = plot.ToPixel(start.x(), start.y());
     svg->AddCircle("mark", mark, 4.5);
-    svg->AddText("small", mark + Point(9, -8), "start");
+    svg->AddText("small halo", mark + Point(9, -9), "start");
   }
 }
 
@@ -211,7 +211,7 @@ std::string TrajectoryFigure(const JudgedRun& run) {
     legend.AddLine("truth", "true path");
   }
   const auto wrong = run.score ? run.score->judged - run.score->correct : 0;
-  legend.AddLine("loop correct", Count(run.AcceptedLoops() - wrong, "loop"));
+  legend.AddLine("run0 correct", Count(run.AcceptedLoops() - wrong, "loop"));
   if (wrong > 0) {
     legend.AddLine("run0 wrong", Count(wrong, "wrong loop"));
   }

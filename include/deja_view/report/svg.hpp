@@ -39,8 +39,8 @@ class Svg {
                const Point& size,
                double radius = 0);
   void AddLine(std::string_view css_class, const Point& from, const Point& to);
-  /// A line through the points; those nearer than three quarters of a pixel to the last one
-  /// drawn are skipped.
+  /// A line through the points, of which those are left out that change it by less than a tenth of
+  /// a pixel.
   void AddPolyline(std::string_view css_class, const std::vector<Point>& points);
   /// The area between the points and the horizontal line at `base_y`.
   void AddArea(std::string_view css_class, const std::vector<Point>& points, double base_y);

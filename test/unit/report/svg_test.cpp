@@ -55,10 +55,18 @@ TEST(SvgTest, LeavesGapsWherePointsAreNotFinite) {
   EXPECT_THAT(svg.ToString(), HasSubstr("<path class=\"line\" d=\"M0 0L5 0M5 5L0 5\"/>"));
 }
 
-TEST(SvgTest, ThinsLinesButKeepsTheirEnds) {
+TEST(SvgTest, LeavesOutPointsThatDoNotShow) {
   Svg svg(10, 10, "", "");
-  svg.AddPolyline("line", {{0, 0}, {0.1, 0}, {0.2, 0}, {1, 0}, {1.1, 0}});
-  EXPECT_THAT(svg.ToString(), HasSubstr("d=\"M0 0L1 0L1.1 0\""));
+  svg.AddPolyline("line", {{0, 0}, {1, 0.05}, {2, 0}, {3, 1}, {2, 2.05}, {1, 3}});
+  EXPECT_THAT(svg.ToString(), HasSubstr("d=\"M0 0L2 0L3 1L1 3\""));
+}
+
+TEST(SvgTest, KeepsTheTurnOfALineThatComesBack) {
+  Svg svg(10, 10, "", "");
+  svg.AddPolyline("line", {{0, 0}, {5, 0}, {0, 0}});
+  svg.AddPolyline("dot", {{4, 4}});
+  EXPECT_THAT(svg.ToString(), HasSubstr("d=\"M0 0L5 0L0 0\""));
+  EXPECT_THAT(svg.ToString(), HasSubstr("class=\"dot\" d=\"M4 4\""));
 }
 
 TEST(SvgTest, DrawsAreasDownToTheirBase) {
