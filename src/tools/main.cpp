@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
 #ifdef DEJA_VIEW_WITH_ROS
   deja_view::AddReplayCommand(app, &command);
 #endif
+  deja_view::AddNerfCommand(app, &command);
   deja_view::AddReportCommand(app, &command);
   deja_view::AddSimulateCommand(app, &command);
   deja_view::AddVocabularyCommand(app, &command);

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "deja_view/nerf/radiance_field.hpp"
+
+#include <filesystem>
+
+namespace deja_view::nerf {
+
+/// Writes a field, whole or not at all (WriteFileAtomically). Little endian:
+///   8 bytes "DVNERF\r\n", uint32 version, uint32 0, uint64 length of the body, body, uint64 FNV-1a
+///   of the body, taken over 8-byte words
+void WriteField(const std::filesystem::path& path, const RadianceField& field);
+
+/// Reads what WriteField wrote. Throws InputError that names the path for a file that is missing,
+/// of another kind or version, cut off, longer than it says, damaged, or with sizes that make no
+/// sense; nothing is allocated beyond what the file's own length covers.
+RadianceField ReadField(const std::filesystem::path& path);
+
+}  // namespace deja_view::nerf

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "deja_view/features/brief_extractor.hpp"
+
+#include <opencv2/core/mat.hpp>
+
+namespace deja_view::nerf {
+
+/// Peak signal to noise ratio [dB] of two 8-bit images of the same size and type; 99 for equal
+/// ones.
+double Psnr(const cv::Mat& a, const cv::Mat& b);
+
+/// Structural similarity (Wang et al., TIP 2004) of two CV_8U images of the same size, as grey
+/// levels: Gaussian window of 11 px and sigma 1.5 px, mean over all places where it fits.
+double Ssim(const cv::Mat& a, const cv::Mat& b);
+
+/// Of the `corners` strongest FAST corners of `real` (CV_8UC1), the share whose BRIEF descriptor
+/// has its nearest neighbour among the corners of `rendered` within `radius_px` of its own place
+/// and at most `max_distance` - 1 bits away.
+double CornerMatchRate(const cv::Mat& real,
+                       const cv::Mat& rendered,
+                       int corners = 1000,
+                       double radius_px = 3,
+                       int max_distance = 80);
+
+}  // namespace deja_view::nerf

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace deja_view::nerf {
+
+/// Which cells of the scene hold matter, one bit each in blocks of 4x4x4 (one word), so that a ray
+/// leaps over an empty block at once. Positions in unit coordinates.
+class OccupancyGrid {
+ public:
+  OccupancyGrid() = default;
+  /// `resolution` cells along a unit length; all occupied at first.
+  OccupancyGrid(int resolution, const Eigen::Vector3f& extent);
+
+  const std::array<int, 3>& cells() const { return cells_; }  ///< per axis, multiples of 4
+  float scale() const { return scale_; }                      ///< cells per unit length
+  std::size_t cell_count() const { return words_.size() * 64; }
+  std::vector<std::uint64_t>& words() { return words_; }
+  const std::vector<std::uint64_t>& words() const { return words_; }
+
+  /// Index of a cell: 64 block + place in the block.
+  std::size_t Index(int x, int y, int z) const {
+    const auto block = static_cast<std::size_t>((z >> 2) * blocks_[1] * blocks_[0] +
+                                                (y >> 2) * blocks_[0] + (x >> 2));
+    return block * 64 + static_cast<std::size_t>((z & 3) * 16 + (y & 3) * 4 + (x & 3));
+  }
+  /// Coordinates of a cell's lowest corner, in cells.
+  std::array<int, 3> Cell(std::size_t index) const;
+
+  bool IsOccupied(std::size_t index) const {
+    return (words_[index / 64] >> (index % 64) & 1U) != 0;
+  }
+  void Set(std::size_t index, bool occupied);
+  std::size_t CountOccupied() const;
+
+ private:
+  std::array<int, 3> cells_{};
+  std::array<int, 3> blocks_{};
+  float scale_ = 1;
+  std::vector<std::uint64_t> words_;
+};
+
+}  // namespace deja_view::nerf

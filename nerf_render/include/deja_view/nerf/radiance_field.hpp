@@ -1,0 +1,61 @@
+#pragma once
+
+#include "deja_view/geometry/rigid3.hpp"
+#include "deja_view/nerf/feature_grid.hpp"
+#include "deja_view/nerf/network.hpp"
+#include "deja_view/nerf/occupancy_grid.hpp"
+#include "deja_view/nerf/options.hpp"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace deja_view::nerf {
+
+/// The part of space that a field describes: a box in N [m], the frame of the training poses.
+struct SceneBox {
+  Eigen::Vector3d min = Eigen::Vector3d::Zero();
+  Eigen::Vector3d max = Eigen::Vector3d::Ones();
+
+  double Size() const { return (max - min).maxCoeff(); }  ///< longest side [m]
+};
+
+/// Exposure of one training image: observed = gain * radiance + bias.
+struct Exposure {
+  std::string image;          ///< its name
+  std::int64_t stamp_ns = 0;  ///< 0: unknown
+  float gain = 1;
+  float bias = 0;
+};
+
+/// A trained scene. Unit coordinates: (p_N - box.min) / box.Size(). Densities are per unit length.
+struct RadianceField {
+  RadianceField() = default;
+  /// Untrained. Throws CheckError for options or a box that are not valid.
+  RadianceField(const FieldOptions& options,
+                const MarchOptions& march,
+                const SceneBox& box,
+                int channels,
+                std::uint64_t seed);
+
+  FieldOptions options;
+  MarchOptions march;
+  SceneBox box;
+  int channels = 1;  ///< 1: grey, 3: blue, green, red
+  FeatureGrid geometry;
+  FeatureGrid appearance;
+  Network density;  ///< geometry features to the logarithm of density
+  Network color;    ///< appearance features and direction to radiance before the sigmoid
+  OccupancyGrid occupancy;
+  std::vector<Exposure> exposures;
+
+  Eigen::Vector3f Extent() const { return ((box.max - box.min) / box.Size()).cast<float>(); }
+};
+
+/// Values of the real spherical harmonics of degree 1 to `degree` at a unit direction, up to
+/// constant factors, to out[0 .. (degree + 1)^2 - 1).
+void EncodeDirection(int degree, const float* direction, float* out);
+
+}  // namespace deja_view::nerf

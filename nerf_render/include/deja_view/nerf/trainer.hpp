@@ -1,0 +1,69 @@
+#pragma once
+
+#include "deja_view/camera/camera.hpp"
+#include "deja_view/nerf/radiance_field.hpp"
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+namespace deja_view::nerf {
+
+/// A pixel whose distance is known, e.g. a tracked point of a VIO or a pixel of a depth map.
+struct DepthPoint {
+  float u = 0;      ///< [px]
+  float v = 0;      ///< [px]
+  float range = 0;  ///< [m] along the unit ray
+};
+
+/// A posed image.
+struct TrainingView {
+  std::string name;
+  std::int64_t stamp_ns = 0;  ///< 0: unknown
+  cv::Mat image;              ///< CV_8UC1 or CV_8UC3, of the camera's size
+  std::shared_ptr<const Camera> camera;
+  Rigid3 T_N_C;
+  std::vector<DepthPoint> points;
+};
+
+/// The box about the cameras and the depth points, `margin` times its own diagonal larger on every
+/// side. Throws InputError where all is in one place.
+SceneBox BoxAround(const std::vector<TrainingView>& views, double margin);
+
+/// What one training step did.
+struct StepReport {
+  std::size_t rays = 0;
+  std::size_t samples = 0;   ///< whose density was evaluated
+  std::size_t weighted = 0;  ///< of which had weight, and a colour
+  double psnr_db = 0;        ///< over the step's rays
+};
+
+/// Trains a field on posed images with Adam. The same images, options and calls give the same bits
+/// on any number of threads.
+class Trainer {
+ public:
+  /// Throws CheckError for invalid options, InputError for views that can't be trained on (none,
+  /// sizes that differ from their cameras', grey and colour mixed, poses that are not finite).
+  Trainer(const TrainOptions& options, std::vector<TrainingView> views, const SceneBox& box);
+  ~Trainer();
+  Trainer(Trainer&&) noexcept;
+  Trainer& operator=(Trainer&&) noexcept;
+
+  /// One batch of rays. `progress`, from 0 to 1, sets the learning rates.
+  StepReport Step(double progress);
+
+  /// The field as it is now; it changes with the next Step.
+  const RadianceField& field() const;
+
+  /// Hands the field over; the trainer is then of no more use.
+  RadianceField TakeField() &&;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace deja_view::nerf

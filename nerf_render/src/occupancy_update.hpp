@@ -1,0 +1,30 @@
+#pragma once
+
+#include "deja_view/nerf/trainer.hpp"
+
+#include <cstdint>
+#include <vector>
+
+namespace deja_view::nerf::internal {
+
+/// Keeps a field's occupancy grid: a cell is occupied while a decaying maximum of its density, seen
+/// at random places within it, could dim a ray by one percent in a step.
+class OccupancyUpdate {
+ public:
+  /// Marks the blocks that no view can see as empty for ever: nothing there is ever trained.
+  OccupancyUpdate(const std::vector<TrainingView>& views, int threads, RadianceField* field);
+
+  /// `round` numbers the random draws. Looks at all cells that are occupied and at one in sixteen
+  /// of the others, or at all if `full`.
+  void Run(const Kernels& kernels,
+           const TrainOptions& options,
+           std::uint64_t round,
+           bool full,
+           RadianceField* field);
+
+ private:
+  std::vector<float> density_;      ///< per cell
+  std::vector<std::uint8_t> seen_;  ///< per block
+};
+
+}  // namespace deja_view::nerf::internal

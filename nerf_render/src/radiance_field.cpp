@@ -1,0 +1,74 @@
+#include "deja_view/nerf/radiance_field.hpp"
+
+#include "deja_view/base/check.hpp"
+
+namespace deja_view::nerf {
+namespace {
+
+// exp of it is the untrained density: about one half of the light passes the whole box.
+constexpr float kInitialLogDensity = -0.5F;
+
+}  // namespace
+
+RadianceField::RadianceField(const FieldOptions& field_options,
+                             const MarchOptions& march_options,
+                             const SceneBox& scene_box,
+                             int channel_count,
+                             std::uint64_t seed)
+    : options(field_options), march(march_options), box(scene_box), channels(channel_count) {
+  DEJA_VIEW_CHECK(options.Validate().empty());
+  DEJA_VIEW_CHECK(channels == 1 || channels == 3);
+  DEJA_VIEW_CHECK(box.min.allFinite() && box.max.allFinite());
+  DEJA_VIEW_CHECK((box.max.array() > box.min.array()).all());
+  geometry = FeatureGrid(options.geometry, Extent(), seed);
+  appearance = FeatureGrid(options.appearance, Extent(), seed + 1);
+  density = Network({geometry.outputs(), options.density_hidden, 1}, seed + 2);
+  density.OutputBias(0) = kInitialLogDensity;
+  const int degree = options.direction_degree;
+  std::vector<int> sizes = {appearance.outputs() + (degree + 1) * (degree + 1) - 1};
+  sizes.insert(
+      sizes.end(), static_cast<std::size_t>(options.color_hidden_layers), options.color_hidden);
+  sizes.push_back(channels);
+  color = Network(sizes, seed + 3);
+  occupancy = OccupancyGrid(options.occupancy_resolution, Extent());
+}
+
+void EncodeDirection(int degree, const float* direction, float* out) {
+  const float x = direction[0];
+  const float y = direction[1];
+  const float z = direction[2];
+  if (degree >= 1) {
+    *out++ = x;
+    *out++ = y;
+    *out++ = z;
+  }
+  if (degree >= 2) {
+    *out++ = x * y;
+    *out++ = y * z;
+    *out++ = x * z;
+    *out++ = x * x - y * y;
+    *out++ = 1.5F * z * z - 0.5F;
+  }
+  if (degree >= 3) {
+    *out++ = y * (3 * x * x - y * y);
+    *out++ = x * y * z;
+    *out++ = y * (5 * z * z - 1);
+    *out++ = 0.5F * z * (5 * z * z - 3);
+    *out++ = x * (5 * z * z - 1);
+    *out++ = z * (x * x - y * y);
+    *out++ = x * (x * x - 3 * y * y);
+  }
+  if (degree >= 4) {
+    *out++ = x * y * (x * x - y * y);
+    *out++ = y * z * (3 * x * x - y * y);
+    *out++ = x * y * (7 * z * z - 1);
+    *out++ = y * z * (7 * z * z - 3);
+    *out++ = 0.125F * (35 * z * z * z * z - 30 * z * z + 3);
+    *out++ = x * z * (7 * z * z - 3);
+    *out++ = (x * x - y * y) * (7 * z * z - 1);
+    *out++ = x * z * (x * x - 3 * y * y);
+    *out++ = x * x * (x * x - 3 * y * y) - y * y * (3 * x * x - y * y);
+  }
+}
+
+}  // namespace deja_view::nerf

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "deja_view/nerf/trainer.hpp"
+
+#include <map>
+
+#include "ray_loss.hpp"
+
+namespace deja_view::nerf::internal {
+
+/// Draws training rays: squares of pixels of random images, and rays through depth points.
+class RayBatch {
+ public:
+  static constexpr std::size_t kChunk = 256;  ///< rays that are worked on together
+
+  RayBatch(const TrainOptions& options, const std::vector<TrainingView>& views);
+
+  /// Chunk `chunk` of step `step`; the same for the same numbers.
+  void Draw(const RadianceField& field,
+            std::uint64_t step,
+            std::size_t chunk,
+            std::vector<Ray>* rays,
+            std::vector<RayTarget>* targets) const;
+
+ private:
+  struct Pixel {
+    float x, y, z;
+  };
+  struct PointRef {
+    std::uint32_t view;
+    std::uint32_t point;
+  };
+
+  const TrainOptions& options_;
+  const std::vector<TrainingView>& views_;
+  std::vector<Eigen::Matrix3d> R_N_C_;
+  std::map<const Camera*, std::vector<Pixel>> directions_;  ///< unit rays in C, row by row
+  std::vector<const std::vector<Pixel>*> directions_of_;    ///< per view
+  std::vector<PointRef> points_;
+};
+
+}  // namespace deja_view::nerf::internal

@@ -1,0 +1,277 @@
+#include "ray_tracer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace deja_view::nerf::internal {
+namespace {
+
+constexpr int kSamplesPerRound = 8;
+constexpr float kNudge = 1e-6F;  ///< beyond a face, in unit lengths
+
+// Length to where the ray leaves the cube [low, low + size] of cells.
+float ExitOf(const Ray& ray, const std::array<int, 3>& low, int size, float cell) {
+  float exit = std::numeric_limits<float>::max();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const float d = ray.direction[axis];
+    if (std::abs(d) > 1e-9F) {
+      const float face = static_cast<float>(low[axis] + (d > 0 ? size : 0)) * cell;
+      exit = std::min(exit, (face - ray.origin[axis]) / d);
+    }
+  }
+  return exit;
+}
+
+}  // namespace
+
+Ray MakeRay(const RadianceField& field,
+            const Eigen::Vector3d& origin_N,
+            const Eigen::Vector3d& direction_N,
+            float jitter) {
+  const Eigen::Vector3d origin = (origin_N - field.box.min) / field.box.Size();
+  const Eigen::Vector3d extent = (field.box.max - field.box.min) / field.box.Size();
+  Ray ray;
+  ray.jitter = jitter;
+  double begin = 0;
+  double end = std::numeric_limits<double>::max();
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const double d = direction_N[axis];
+    ray.origin[static_cast<std::size_t>(axis)] = static_cast<float>(origin[axis]);
+    ray.direction[static_cast<std::size_t>(axis)] = static_cast<float>(d);
+    if (std::abs(d) < 1e-12) {
+      if (origin[axis] < 0 || origin[axis] > extent[axis]) {
+        end = -1;
+      }
+      continue;
+    }
+    const double a = -origin[axis] / d;
+    const double b = (extent[axis] - origin[axis]) / d;
+    begin = std::max(begin, std::min(a, b));
+    end = std::min(end, std::max(a, b));
+  }
+  ray.begin = static_cast<float>(begin);
+  ray.end = static_cast<float>(end);
+  return ray;
+}
+
+void RayTracer::Round::Clear() {
+  ray.clear();
+  t.clear();
+  dt.clear();
+  x.clear();
+  y.clear();
+  z.clear();
+}
+
+RayTracer::RayTracer(const RadianceField& field, const Kernels& kernels)
+    : field_(field), kernels_(kernels) {}
+
+void RayTracer::March(const Ray& ray,
+                      std::uint32_t index,
+                      const TraceOptions& options,
+                      State* state) {
+  const OccupancyGrid& grid = field_.occupancy;
+  const float scale = grid.scale();
+  const float cell = 1 / scale;
+  const Eigen::Vector3f extent = field_.Extent();
+  int found = 0;
+  float t = state->t;
+  while (found < kSamplesPerRound && t < ray.end) {
+    std::array<int, 3> at;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const float p = ray.origin[axis] + (t + kNudge) * ray.direction[axis];
+      at[axis] = std::clamp(static_cast<int>(p * scale), 0, grid.cells()[axis] - 1);
+    }
+    const std::size_t place = grid.Index(at[0], at[1], at[2]);
+    const std::uint64_t word = grid.words()[place / 64];
+    if ((word >> (place % 64) & 1U) == 0) {
+      const int size = word == 0 ? 4 : 1;
+      const std::array<int, 3> low = {
+          at[0] / size * size, at[1] / size * size, at[2] / size * size};
+      t = std::max(t + kNudge, ExitOf(ray, low, size, cell));
+      continue;
+    }
+    const float step =
+        options.step_factor *
+        std::clamp(t * options.march.cone_angle, options.march.min_step, options.march.max_step);
+    const float dt = std::min(step, ray.end - t);
+    const float middle = t + ray.jitter * dt;
+    round_.ray.push_back(index);
+    round_.t.push_back(middle);
+    round_.dt.push_back(dt);
+    round_.x.push_back(std::clamp(ray.origin[0] + middle * ray.direction[0], 0.0F, extent.x()));
+    round_.y.push_back(std::clamp(ray.origin[1] + middle * ray.direction[1], 0.0F, extent.y()));
+    round_.z.push_back(std::clamp(ray.origin[2] + middle * ray.direction[2], 0.0F, extent.z()));
+    t += step;
+    ++found;
+  }
+  state->t = t;
+  state->samples += found;
+}
+
+void RayTracer::EvaluateDensity() {
+  const std::size_t count = round_.t.size();
+  const auto stride = static_cast<std::size_t>(field_.density.row_stride());
+  round_.rows.resize(count * stride);
+  round_.raw.resize(count);
+  round_.sigma.resize(count);
+  round_.transparency.resize(count);
+  field_.geometry.Forward(kernels_,
+                          {round_.x.data(), round_.y.data(), round_.z.data()},
+                          count,
+                          stride,
+                          round_.rows.data());
+  const float* out = field_.density.Forward(kernels_, round_.rows.data(), count, &activations_);
+  const auto out_stride = static_cast<std::size_t>(field_.density.output_stride());
+  for (std::size_t s = 0; s < count; ++s) {
+    round_.raw[s] = out[s * out_stride];
+  }
+  kernels_.density(
+      round_.raw.data(), round_.dt.data(), count, round_.sigma.data(), round_.transparency.data());
+}
+
+void RayTracer::Composite(const TraceOptions& options, std::vector<State>* states) {
+  const auto stride = static_cast<std::ptrdiff_t>(field_.density.row_stride());
+  for (std::size_t s = 0; s < round_.t.size(); ++s) {
+    State& state = (*states)[round_.ray[s]];
+    if (state.transmittance < options.march.min_transmittance) {
+      continue;
+    }
+    const float after = state.transmittance * round_.transparency[s];
+    const float weight = state.transmittance - after;
+    state.transmittance = after;
+    if (weight <= options.march.min_weight) {
+      continue;
+    }
+    unsorted_.ray.push_back(round_.ray[s]);
+    unsorted_.t.push_back(round_.t[s]);
+    unsorted_.dt.push_back(round_.dt[s]);
+    unsorted_.sigma.push_back(round_.sigma[s]);
+    unsorted_.weight.push_back(weight);
+    unsorted_.after.push_back(after);
+    unsorted_.x.push_back(round_.x[s]);
+    unsorted_.y.push_back(round_.y[s]);
+    unsorted_.z.push_back(round_.z[s]);
+    const auto row = round_.rows.begin() + static_cast<std::ptrdiff_t>(s) * stride;
+    unsorted_.geometry_rows.insert(unsorted_.geometry_rows.end(), row, row + stride);
+  }
+}
+
+// Rounds come one after the other, so that within a ray the samples are in order already.
+void RayTracer::SortByRay(std::size_t rays, Trace* trace) {
+  const std::size_t count = unsorted_.size();
+  trace->ray_begin.assign(rays + 1, 0);
+  for (const std::uint32_t ray : unsorted_.ray) {
+    ++trace->ray_begin[ray + 1];
+  }
+  for (std::size_t r = 0; r < rays; ++r) {
+    trace->ray_begin[r + 1] += trace->ray_begin[r];
+  }
+  for (auto* values : {&trace->t,
+                       &trace->dt,
+                       &trace->sigma,
+                       &trace->weight,
+                       &trace->after,
+                       &trace->x,
+                       &trace->y,
+                       &trace->z}) {
+    values->resize(count);
+  }
+  const auto stride = static_cast<std::size_t>(field_.density.row_stride());
+  trace->ray.resize(count);
+  trace->geometry_rows.resize(count * stride);
+  std::vector<std::size_t> next(trace->ray_begin.begin(), trace->ray_begin.end() - 1);
+  for (std::size_t s = 0; s < count; ++s) {
+    const std::size_t to = next[unsorted_.ray[s]]++;
+    trace->ray[to] = unsorted_.ray[s];
+    trace->t[to] = unsorted_.t[s];
+    trace->dt[to] = unsorted_.dt[s];
+    trace->sigma[to] = unsorted_.sigma[s];
+    trace->weight[to] = unsorted_.weight[s];
+    trace->after[to] = unsorted_.after[s];
+    trace->x[to] = unsorted_.x[s];
+    trace->y[to] = unsorted_.y[s];
+    trace->z[to] = unsorted_.z[s];
+    std::copy_n(unsorted_.geometry_rows.begin() + static_cast<std::ptrdiff_t>(s * stride),
+                stride,
+                trace->geometry_rows.begin() + static_cast<std::ptrdiff_t>(to * stride));
+  }
+}
+
+void RayTracer::EvaluateColor(const std::vector<Ray>& rays, Trace* trace) {
+  const std::size_t count = trace->size();
+  const auto stride = static_cast<std::size_t>(field_.color.row_stride());
+  const auto channels = static_cast<std::size_t>(field_.channels);
+  trace->appearance_rows.resize(count * stride);
+  field_.appearance.Forward(
+      kernels_, trace->positions(), count, stride, trace->appearance_rows.data());
+  if (field_.options.direction_degree > 0) {
+    const auto column = static_cast<std::size_t>(field_.appearance.outputs());
+    for (std::size_t s = 0; s < count; ++s) {
+      EncodeDirection(field_.options.direction_degree,
+                      rays[trace->ray[s]].direction.data(),
+                      trace->appearance_rows.data() + s * stride + column);
+    }
+  }
+  const float* out = field_.color.Forward(
+      kernels_, trace->appearance_rows.data(), count, &trace->color_activations);
+  const auto out_stride = static_cast<std::size_t>(field_.color.output_stride());
+  trace->color.resize(count * channels);
+  for (std::size_t s = 0; s < count; ++s) {
+    for (std::size_t c = 0; c < channels; ++c) {
+      trace->color[s * channels + c] = out[s * out_stride + c];
+    }
+  }
+  kernels_.sigmoid(trace->color.data(), count * channels, trace->color.data());
+}
+
+void RayTracer::Run(const std::vector<Ray>& rays, const TraceOptions& options, Trace* trace) {
+  std::vector<State> states(rays.size());
+  std::vector<std::uint32_t> active;
+  for (std::size_t r = 0; r < rays.size(); ++r) {
+    states[r].t = rays[r].begin;
+    if (rays[r].end > rays[r].begin) {
+      active.push_back(static_cast<std::uint32_t>(r));
+    }
+  }
+  for (auto* values : {&unsorted_.t,
+                       &unsorted_.dt,
+                       &unsorted_.sigma,
+                       &unsorted_.weight,
+                       &unsorted_.after,
+                       &unsorted_.x,
+                       &unsorted_.y,
+                       &unsorted_.z,
+                       &unsorted_.geometry_rows}) {
+    values->clear();
+  }
+  unsorted_.ray.clear();
+  trace->evaluated = 0;
+  while (!active.empty()) {
+    round_.Clear();
+    for (const std::uint32_t r : active) {
+      March(rays[r], r, options, &states[r]);
+    }
+    trace->evaluated += round_.t.size();
+    EvaluateDensity();
+    Composite(options, &states);
+    active.erase(std::remove_if(active.begin(),
+                                active.end(),
+                                [&](std::uint32_t r) {
+                                  return states[r].t >= rays[r].end ||
+                                         states[r].transmittance <
+                                             options.march.min_transmittance ||
+                                         states[r].samples >= options.march.max_samples;
+                                }),
+                 active.end());
+  }
+  SortByRay(rays.size(), trace);
+  EvaluateColor(rays, trace);
+  trace->transmittance.resize(rays.size());
+  for (std::size_t r = 0; r < rays.size(); ++r) {
+    trace->transmittance[r] = states[r].transmittance;
+  }
+}
+
+}  // namespace deja_view::nerf::internal

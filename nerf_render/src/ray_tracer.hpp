@@ -1,0 +1,92 @@
+#pragma once
+
+#include "deja_view/camera/camera.hpp"
+#include "deja_view/nerf/kernels.hpp"
+#include "deja_view/nerf/radiance_field.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace deja_view::nerf::internal {
+
+/// A ray in unit coordinates; `direction` is a unit vector, t its length along it.
+struct Ray {
+  std::array<float, 3> origin;
+  std::array<float, 3> direction;
+  float begin = 0;      ///< where it enters the box
+  float end = 0;        ///< where it leaves it; <= begin: it misses
+  float jitter = 0.5F;  ///< place of the samples within their steps, in [0, 1)
+};
+
+/// The ray of `origin_N` [m] and unit vector `direction_N` through the box of `field`.
+Ray MakeRay(const RadianceField& field,
+            const Eigen::Vector3d& origin_N,
+            const Eigen::Vector3d& direction_N,
+            float jitter);
+
+/// The samples of some rays that bear weight, in order of (ray, t), with what the backward pass
+/// needs.
+struct Trace {
+  std::vector<std::size_t> ray_begin;  ///< rays + 1 offsets into the samples
+  std::vector<std::uint32_t> ray;
+  std::vector<float> t, dt, sigma;
+  std::vector<float> weight;
+  std::vector<float> after;  ///< transmittance behind the sample
+  std::vector<float> x, y, z;
+  std::vector<float> geometry_rows;    ///< n x density.row_stride()
+  std::vector<float> appearance_rows;  ///< n x color.row_stride()
+  std::vector<float> color;            ///< n x channels
+  std::vector<float> transmittance;    ///< per ray, behind its last sample
+  std::size_t evaluated = 0;           ///< samples whose density was asked for
+  Network::Activations color_activations;
+
+  std::size_t size() const { return t.size(); }
+  Positions positions() const { return {x.data(), y.data(), z.data()}; }
+};
+
+/// How a field is sampled in one pass.
+struct TraceOptions {
+  MarchOptions march;
+  float step_factor = 1;  ///< of all steps; coarse ones warm a field up
+};
+
+/// Marches rays through the occupied cells, in rounds so that none goes far behind the surface that
+/// ends it: density of all samples, radiance of those with weight. Keeps its working memory from
+/// call to call; one per thread.
+class RayTracer {
+ public:
+  RayTracer(const RadianceField& field, const Kernels& kernels);
+
+  /// Fills `trace` for `rays`. Its result depends on nothing else.
+  void Run(const std::vector<Ray>& rays, const TraceOptions& options, Trace* trace);
+
+ private:
+  struct State {
+    float t = 0;
+    float transmittance = 1;
+    int samples = 0;
+  };
+  struct Round {
+    std::vector<std::uint32_t> ray;
+    std::vector<float> t, dt, x, y, z;
+    std::vector<float> rows;
+    std::vector<float> raw, sigma, transparency;
+    void Clear();
+  };
+
+  void March(const Ray& ray, std::uint32_t index, const TraceOptions& options, State* state);
+  void EvaluateDensity();
+  void Composite(const TraceOptions& options, std::vector<State>* states);
+  void SortByRay(std::size_t rays, Trace* trace);
+  void EvaluateColor(const std::vector<Ray>& rays, Trace* trace);
+
+  const RadianceField& field_;
+  const Kernels& kernels_;
+  Round round_;
+  Trace unsorted_;
+  Network::Activations activations_;
+};
+
+}  // namespace deja_view::nerf::internal

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "deja_view/nerf/kernels.hpp"
+
+#include <vector>
+
+namespace deja_view::nerf::internal {
+
+/// The Highway kernels that this CPU can run, widest first; none in a build without Highway.
+std::vector<const Kernels*> SimdKernels();
+
+}  // namespace deja_view::nerf::internal

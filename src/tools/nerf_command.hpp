@@ -1,0 +1,82 @@
+#pragma once
+
+#include "deja_view/nerf/options.hpp"
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace deja_view {
+
+/// Where posed images come from.
+struct NerfInput {
+  std::filesystem::path images;  ///< directory of <stamp ns>.<extension>
+  std::filesystem::path camera;  ///< VINS-Mono's YAML
+  std::filesystem::path poses;   ///< TUM
+  std::string poses_of = "body";
+  int holdout = 20;  ///< every N-th image is held out; 0: none
+};
+
+/// What `deja_view nerf train` is told.
+struct NerfTrainRequest {
+  NerfInput input;
+  std::filesystem::path config;        ///< nerf::TrainOptions
+  std::vector<std::string> overrides;  ///< "group.key=value" on top
+  std::vector<double> box;             ///< min x y z, max x y z [m]; empty: about the cameras
+  double margin = 0.6;                 ///< of that box
+  double scale = 1;
+  bool color = false;
+  double budget_s = 600;  ///< wall time from the start to the model file
+  int steps = 0;          ///< 0: as many as the budget allows
+  int threads = 0;
+  std::filesystem::path out;
+  bool show_progress = true;
+};
+
+/// What `deja_view nerf eval` is told.
+struct NerfEvalRequest {
+  NerfInput input;
+  std::filesystem::path model;
+  std::filesystem::path pictures;  ///< directory for side-by-side pictures; empty: none
+  double scale = 1;
+  int views = 0;  ///< 0: all held-out ones
+  int threads = 0;
+  std::string kernels = "auto";
+  bool show_progress = true;
+};
+
+/// What `deja_view nerf render` is told.
+struct NerfRenderRequest {
+  std::filesystem::path model;
+  std::filesystem::path camera;
+  std::filesystem::path trajectory;  ///< TUM
+  std::string poses_of = "body";
+  double scale = 1;
+  double fps = 10;  ///< pictures per second of the trajectory
+  bool depth = false;
+  int threads = 0;
+  std::filesystem::path out;
+  bool show_progress = true;
+};
+
+/// Trains a field and writes it; the schedule follows the clock unless `steps` is given, so that
+/// only then two runs give the same model. Ctrl-C leaves the model as it is. Returns `steps, rays,
+/// samples, psnr_db (over the last training rays), train_wall_s, rays_per_s, samples_per_s,
+/// peak_rss_mb`.
+nlohmann::ordered_json RunNerfTrain(const NerfTrainRequest& request);
+
+/// Renders held-out views; returns `psnr_db, ssim, corner_match_rate, views, render_ms_median,
+/// peak_rss_mb`. Exposures are those of the training images before and after, not fitted.
+nlohmann::ordered_json RunNerfEval(const NerfEvalRequest& request);
+
+/// Writes 000000.png ... along a trajectory; returns `views, render_ms_median, peak_rss_mb`.
+nlohmann::ordered_json RunNerfRender(const NerfRenderRequest& request);
+
+/// Reads a model to the last byte; returns what it holds.
+nlohmann::ordered_json RunNerfInfo(const std::filesystem::path& path);
+
+}  // namespace deja_view

@@ -1,0 +1,213 @@
+#include "deja_view/nerf/trainer.hpp"
+
+#include "deja_view/base/check.hpp"
+#include "deja_view/camera/pinhole_camera.hpp"
+#include "deja_view/nerf/field_renderer.hpp"
+#include "deja_view/nerf/image_metrics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+namespace deja_view::nerf {
+namespace {
+
+constexpr double kHalf = 1.5;  ///< [m] half the room's side
+
+// A cubic room with smooth waves on its walls, seen from within.
+float WallRadiance(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
+  double t = std::numeric_limits<double>::max();
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const double wall = direction[axis] > 0 ? kHalf : -kHalf;
+    if (std::abs(direction[axis]) > 1e-9) {
+      t = std::min(t, (wall - origin[axis]) / direction[axis]);
+    }
+  }
+  const Eigen::Vector3d p = origin + t * direction;
+  return static_cast<float>(0.5 + 0.2 * std::sin(4 * p.x() + p.y()) +
+                            0.2 * std::cos(5 * p.y() - 3 * p.z()));
+}
+
+TrainingView MakeView(const std::shared_ptr<const Camera>& camera,
+                      const Rigid3& T_N_C,
+                      float gain) {
+  TrainingView view;
+  view.camera = camera;
+  view.T_N_C = T_N_C;
+  view.image.create(camera->height(), camera->width(), CV_8UC1);
+  for (int y = 0; y < camera->height(); ++y) {
+    for (int x = 0; x < camera->width(); ++x) {
+      const float value = gain * WallRadiance(T_N_C.t, T_N_C.q * camera->Unproject({x, y}));
+      view.image.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(255 * value + 0.5F);
+    }
+  }
+  return view;
+}
+
+std::shared_ptr<const Camera> SmallCamera() {
+  PinholeParameters parameters;
+  parameters.width = 48;
+  parameters.height = 36;
+  parameters.fx = parameters.fy = 30;
+  parameters.cx = 23.5;
+  parameters.cy = 17.5;
+  parameters.k1 = -0.05;
+  return std::make_shared<PinholeCamera>(parameters);
+}
+
+Rigid3 Pose(int i) {
+  const double u = 0.35 * i;
+  return {ExpSo3({0.3 * std::sin(u), u, 0.2 * std::cos(u)}),
+          {0.6 * std::sin(1.7 * u), 0.4 * std::cos(2.3 * u), 0.6 * std::cos(1.1 * u)}};
+}
+
+std::vector<TrainingView> MakeViews(int count) {
+  const std::shared_ptr<const Camera> camera = SmallCamera();
+  std::vector<TrainingView> views;
+  for (int i = 0; i < count; ++i) {
+    views.push_back(MakeView(camera, Pose(i), i % 2 == 0 ? 0.9F : 1.0F));
+    views.back().name = std::to_string(i);
+  }
+  return views;
+}
+
+SceneBox RoomBox() {
+  SceneBox box;
+  box.min.setConstant(-1.6);
+  box.max.setConstant(1.6);
+  return box;
+}
+
+TrainOptions SmallOptions() {
+  TrainOptions options;
+  options.field.geometry = {4, 2, 14, 8, 32};
+  options.field.appearance = {3, 4, 14, 8, 32};
+  options.field.color_hidden = 16;
+  options.field.occupancy_resolution = 32;
+  options.march.min_step = 1.0F / 128;
+  options.march.max_step = 1.0F / 128;
+  options.target_samples = 1 << 14;
+  options.max_rays = 2048;
+  options.warmup_steps = 60;
+  return options;
+}
+
+bool SameBits(const FloatArray& a, const FloatArray& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
+}
+
+TEST(Trainer, LearnsARoomAndItsExposures) {
+  constexpr int kSteps = 240;
+  TrainOptions options = SmallOptions();
+  options.exposure_learning_rate = 5e-3F;
+  options.target_samples = 1 << 16;
+  Trainer trainer(options, MakeViews(150), RoomBox());
+  for (int i = 0; i < kSteps; ++i) {
+    trainer.Step(static_cast<double>(i) / kSteps);
+  }
+  const auto field = std::make_shared<RadianceField>(std::move(trainer).TakeField());
+  // Even images are darker by 10 %; so short a training finds part of it.
+  EXPECT_LT(field->exposures[0].gain / field->exposures[1].gain, 0.98F);
+  EXPECT_LT(field->occupancy.CountOccupied(), field->occupancy.cell_count() * 3 / 4);
+  const FieldRenderer renderer(field);
+  // Between two training poses.
+  const Rigid3 T_N_C = Interpolate(Pose(10), Pose(11), 0.5);
+  const TrainingView real = MakeView(SmallCamera(), T_N_C, 1.0F);
+  const Exposure& exposure = field->exposures[11];
+  const RenderedView view = renderer.Render(*real.camera, T_N_C, {exposure.gain, exposure.bias, 0});
+  EXPECT_GT(Psnr(real.image, view.image), 23.0);
+}
+
+TEST(Trainer, ThreadsDoNotChangeABit) {
+  TrainOptions options = SmallOptions();
+  options.warmup_steps = 4;
+  options.occupancy_interval = 3;
+  std::vector<RadianceField> fields;
+  for (const int threads : {1, 2, 3}) {
+    options.threads = threads;
+    Trainer trainer(options, MakeViews(6), RoomBox());
+    for (int i = 0; i < 10; ++i) {
+      trainer.Step(0.1 * i);
+    }
+    fields.push_back(std::move(trainer).TakeField());
+  }
+  for (std::size_t i = 1; i < fields.size(); ++i) {
+    EXPECT_TRUE(SameBits(fields[0].geometry.parameters(), fields[i].geometry.parameters()));
+    EXPECT_TRUE(SameBits(fields[0].appearance.parameters(), fields[i].appearance.parameters()));
+    EXPECT_EQ(fields[0].color.parameters(), fields[i].color.parameters());
+    EXPECT_EQ(fields[0].density.parameters(), fields[i].density.parameters());
+    EXPECT_EQ(fields[0].occupancy.words(), fields[i].occupancy.words());
+  }
+}
+
+TEST(Trainer, DepthPointsDrawWeightToThem) {
+  std::vector<TrainingView> views = MakeViews(4);
+  for (TrainingView& view : views) {
+    view.image.setTo(128);  // without texture, only the points tell where the walls are
+    for (int i = 0; i < 200; ++i) {
+      const Eigen::Vector2d pixel(i * 7 % 48, i * 11 % 36);
+      const Eigen::Vector3d direction = view.T_N_C.q * view.camera->Unproject(pixel);
+      double t = std::numeric_limits<double>::max();
+      for (Eigen::Index axis = 0; axis < 3; ++axis) {
+        const double wall = direction[axis] > 0 ? kHalf : -kHalf;
+        t = std::min(t, (wall - view.T_N_C.t[axis]) / direction[axis]);
+      }
+      view.points.push_back(
+          {static_cast<float>(pixel.x()), static_cast<float>(pixel.y()), static_cast<float>(t)});
+    }
+  }
+  const std::vector<TrainingView> kept = views;
+  TrainOptions options = SmallOptions();
+  options.depth_share = 0.5F;
+  options.depth_weight = 1;
+  Trainer trainer(options, std::move(views), RoomBox());
+  for (int i = 0; i < 200; ++i) {
+    trainer.Step(i / 200.0);
+  }
+  const FieldRenderer renderer(std::make_shared<RadianceField>(std::move(trainer).TakeField()));
+  const RenderedView view = renderer.Render(*kept[0].camera, kept[0].T_N_C, {});
+  std::vector<float> errors;
+  for (const DepthPoint& point : kept[0].points) {
+    const cv::Point pixel(static_cast<int>(point.u), static_cast<int>(point.v));
+    errors.push_back(std::abs(view.depth.at<float>(pixel) - point.range) / point.range);
+  }
+  std::sort(errors.begin(), errors.end());
+  EXPECT_LT(errors[errors.size() / 2], 0.06F);
+}
+
+TEST(Trainer, RefusesViewsItCantTrainOn) {
+  EXPECT_THROW(Trainer(SmallOptions(), {}, RoomBox()), InputError);
+  std::vector<TrainingView> views = MakeViews(2);
+  views[1].image = cv::Mat(5, 5, CV_8UC1);
+  EXPECT_THROW(Trainer(SmallOptions(), views, RoomBox()), InputError);
+  views = MakeViews(2);
+  views[1].T_N_C.t.x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(Trainer(SmallOptions(), views, RoomBox()), InputError);
+  TrainOptions options = SmallOptions();
+  options.kernels = "none";
+  EXPECT_THROW(Trainer(options, MakeViews(2), RoomBox()), InputError);
+  options = SmallOptions();
+  options.patch_px = 0;
+  EXPECT_THROW(Trainer(options, MakeViews(2), RoomBox()), CheckError);
+}
+
+TEST(BoxAround, HoldsCamerasAndPoints) {
+  std::vector<TrainingView> views = MakeViews(3);
+  views[0].points.push_back({23.5F, 17.5F, 10.0F});
+  const SceneBox box = BoxAround(views, 0.1);
+  EXPECT_GT(box.Size(), 10);
+  for (const TrainingView& view : views) {
+    EXPECT_TRUE((view.T_N_C.t.array() > box.min.array()).all());
+    EXPECT_TRUE((view.T_N_C.t.array() < box.max.array()).all());
+  }
+  views.resize(1);
+  views[0].points.clear();
+  EXPECT_THROW(BoxAround(views, 0.1), InputError);
+}
+
+}  // namespace
+}  // namespace deja_view::nerf
