@@ -192,10 +192,10 @@ double PoseGraph::SquaredError(const PoseGraphLoop& loop) const {
 
 void PoseGraph::TakeSolution(const PoseGraph& snapshot) {
   DEJA_VIEW_CHECK_OP(snapshot.size(), <=, size());
-  // A sequence that was not anchored in the snapshot may have been joined since: it stays where it
-  // is now.
+  // Sequences that were joined to others since stay where that has put them.
   const auto was_solved = [&](int sequence) {
-    return sequence < static_cast<int>(snapshot.group_.size()) && snapshot.IsAnchored(sequence);
+    return sequence < static_cast<int>(snapshot.group_.size()) &&
+           snapshot.Group(sequence) == Group(sequence);
   };
   for (int i = 0; i < size(); ++i) {
     PoseGraphNode& node = nodes_[static_cast<std::size_t>(i)];

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <ceres/problem.h>
 #include <ceres/solver.h>
@@ -58,69 +59,69 @@ std::string PoseGraph::Summary::ToString() const {
                      rounds);
 }
 
+void PoseGraph::FillProblem(double mu, ceres::Problem* problem) {
+  const double c2 = options_.kernel_scale * options_.kernel_scale;
+  std::vector<bool> has_anchor(group_.size(), false);
+  for (PoseGraphNode& node : nodes_) {
+    problem->AddParameterBlock(&node.psi, 1);
+    problem->AddParameterBlock(node.t_M_B.data(), 3);
+    const auto group = static_cast<std::size_t>(Group(node.sequence));
+    if (node.is_fixed || !has_anchor[group]) {
+      has_anchor[group] = true;
+      problem->SetParameterBlockConstant(&node.psi);
+      problem->SetParameterBlockConstant(node.t_M_B.data());
+    }
+  }
+  const auto add = [&](int from, int to, const FourDofError::Measurement& m, double weight) {
+    PoseGraphNode& i = nodes_[static_cast<std::size_t>(from)];
+    PoseGraphNode& j = nodes_[static_cast<std::size_t>(to)];
+    problem->AddResidualBlock(std::make_unique<FourDofError>(m, weight).release(),
+                              nullptr,
+                              &i.psi,
+                              i.t_M_B.data(),
+                              &j.psi,
+                              j.t_M_B.data());
+  };
+  for (int i = 1; i < size(); ++i) {
+    const PoseGraphNode& a = nodes_[static_cast<std::size_t>(i - 1)];
+    const PoseGraphNode& b = nodes_[static_cast<std::size_t>(i)];
+    if (a.sequence == b.sequence && !(a.is_fixed && b.is_fixed)) {
+      auto m = OdometryMeasurement(a, b);
+      m.sqrt_information = OdometrySqrtInformation(m.t_I_J.norm());
+      add(i - 1, i, m, 1.0);
+    }
+  }
+  for (PoseGraphLoop& loop : loops_) {
+    const PoseGraphNode& i = nodes_[static_cast<std::size_t>(loop.from)];
+    const PoseGraphNode& j = nodes_[static_cast<std::size_t>(loop.to)];
+    if (!(i.is_fixed && j.is_fixed)) {
+      loop.weight = LineProcess(SquaredError(loop), c2, mu);
+      auto m = LoopMeasurement(loop, i, j);
+      m.sqrt_information = LoopSqrtInformation(loop);
+      add(loop.from, loop.to, m, std::sqrt(loop.weight));
+    }
+  }
+}
+
 PoseGraph::Summary PoseGraph::Solve() {
   Summary summary;
+  double largest = 0;
+  for (const PoseGraphLoop& loop : loops_) {
+    largest = std::max(largest, SquaredError(loop));
+  }
   if (loops_.empty()) {
     return summary;
   }
-  const int anchor = Group(nodes_.front().sequence);
-  const auto is_active = [&](const PoseGraphNode& node) { return Group(node.sequence) == anchor; };
-  const double c2 = options_.kernel_scale * options_.kernel_scale;
-
-  double largest = 0;
-  for (const PoseGraphLoop& loop : loops_) {
-    if (is_active(nodes_[static_cast<std::size_t>(loop.from)])) {
-      largest = std::max(largest, SquaredError(loop));
-    }
-  }
   // The Geman-McClure cost is convex in r where r^2 < mu c^2 / 3.
+  const double c2 = options_.kernel_scale * options_.kernel_scale;
   double mu = std::max(1.0, 3.0 * largest / c2);
-
   bool is_last = false;
   while (!is_last) {
     is_last = mu <= 1.0;
     ceres::Problem::Options problem_options;
     problem_options.disable_all_safety_checks = true;
     ceres::Problem problem(problem_options);
-    for (PoseGraphNode& node : nodes_) {
-      if (is_active(node)) {
-        problem.AddParameterBlock(&node.psi, 1);
-        problem.AddParameterBlock(node.t_M_B.data(), 3);
-        if (node.is_fixed || &node == &nodes_.front()) {
-          problem.SetParameterBlockConstant(&node.psi);
-          problem.SetParameterBlockConstant(node.t_M_B.data());
-        }
-      }
-    }
-    const auto add = [&](int from, int to, const FourDofError::Measurement& m, double weight) {
-      PoseGraphNode& i = nodes_[static_cast<std::size_t>(from)];
-      PoseGraphNode& j = nodes_[static_cast<std::size_t>(to)];
-      problem.AddResidualBlock(std::make_unique<FourDofError>(m, weight).release(),
-                               nullptr,
-                               &i.psi,
-                               i.t_M_B.data(),
-                               &j.psi,
-                               j.t_M_B.data());
-    };
-    for (int i = 1; i < size(); ++i) {
-      const PoseGraphNode& a = nodes_[static_cast<std::size_t>(i - 1)];
-      const PoseGraphNode& b = nodes_[static_cast<std::size_t>(i)];
-      if (a.sequence == b.sequence && is_active(b) && !(a.is_fixed && b.is_fixed)) {
-        auto m = OdometryMeasurement(a, b);
-        m.sqrt_information = OdometrySqrtInformation(m.t_I_J.norm());
-        add(i - 1, i, m, 1.0);
-      }
-    }
-    for (PoseGraphLoop& loop : loops_) {
-      const PoseGraphNode& i = nodes_[static_cast<std::size_t>(loop.from)];
-      const PoseGraphNode& j = nodes_[static_cast<std::size_t>(loop.to)];
-      if (is_active(i) && !(i.is_fixed && j.is_fixed)) {
-        loop.weight = LineProcess(SquaredError(loop), c2, mu);
-        auto m = LoopMeasurement(loop, i, j);
-        m.sqrt_information = LoopSqrtInformation(loop);
-        add(loop.from, loop.to, m, std::sqrt(loop.weight));
-      }
-    }
+    FillProblem(mu, &problem);
     ceres::Solver::Summary result;
     ceres::Solve(SolverOptions(options_), &problem, &result);
     summary.initial_cost = summary.rounds == 0 ? result.initial_cost : summary.initial_cost;

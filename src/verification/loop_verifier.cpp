@@ -19,8 +19,19 @@ constexpr int kCellColumns = 8;
 constexpr int kCellRows = 6;
 constexpr float kGridCellPx = 32.0F;
 
+using CellSet = std::bitset<kCellColumns * kCellRows>;
+
 Eigen::Vector3d ToDouble(const Eigen::Vector3f& v) {
   return v.cast<double>();
+}
+
+/// Cell of the grid over the image that spread is counted on.
+std::size_t CellOf(const Eigen::Vector2f& pixel, const Camera& camera) {
+  const int x =
+      std::clamp(static_cast<int>(pixel.x()) * kCellColumns / camera.width(), 0, kCellColumns - 1);
+  const int y =
+      std::clamp(static_cast<int>(pixel.y()) * kCellRows / camera.height(), 0, kCellRows - 1);
+  return static_cast<std::size_t>(y * kCellColumns + x);
 }
 
 }  // namespace
@@ -161,79 +172,88 @@ void LoopVerifier::MatchBothWays(const KeyframeFeatures& current,
                   problem);
 }
 
+std::optional<Rigid3> LoopVerifier::FirstPose(const KeyframeFeatures& current,
+                                              const KeyframeFeatures& old,
+                                              const GravityPair& gravity,
+                                              Verification* v) const {
+  Problem problem;
+  AddObservations(MatchAll(current, old), current, old, false, &problem);
+  AddObservations(MatchAll(old, current), old, current, true, &problem);
+  v->matches = static_cast<int>(problem.observations.size());
+  if (v->matches < options_.min_matches) {
+    v->reason = RejectReason::kTooFewMatches;
+    return std::nullopt;
+  }
+  const double focal = camera_->FocalLength();
+  const RansacResult ransac =
+      EstimateRelativePose(problem.observations, gravity, focal, options_.pose);
+  v->ransac_inliers = static_cast<int>(ransac.inliers.size());
+  if (v->ransac_inliers < options_.min_ransac_inliers) {
+    v->reason = RejectReason::kTooFewInliers;
+    return std::nullopt;
+  }
+  std::vector<PointObservation> supported;
+  for (const int i : ransac.inliers) {
+    supported.push_back(problem.observations[static_cast<std::size_t>(i)]);
+  }
+  return RefineRelativePose(ransac.T_O_U, supported, gravity, true, focal, options_.pose).T_O_U;
+}
+
+void LoopVerifier::Summarise(const KeyframeFeatures& current,
+                             const KeyframeFeatures& old,
+                             const Problem& problem,
+                             const RefinedPose& pose,
+                             Verification* v) const {
+  v->T_Bold_Bcurrent = pose.T_O_U;
+  v->covariance = pose.covariance;
+  v->rmse_px = pose.rmse_px;
+  v->inliers = static_cast<int>(pose.inliers.size());
+  CellSet old_cells;
+  CellSet current_cells;
+  for (const int i : pose.inliers) {
+    const Match& match = problem.matches[static_cast<std::size_t>(i)];
+    const bool is_reverse = problem.observations[static_cast<std::size_t>(i)].is_reverse;
+    const KeyframeFeatures& points = is_reverse ? old : current;
+    const KeyframeFeatures& image = is_reverse ? current : old;
+    (is_reverse ? old_cells : current_cells)
+        .set(CellOf(points.point_pixels[static_cast<std::size_t>(match.point)], *camera_));
+    (is_reverse ? current_cells : old_cells)
+        .set(CellOf(image.keypoints[static_cast<std::size_t>(match.keypoint)], *camera_));
+    if (!is_reverse) {
+      v->point_matches.push_back({match.point, match.keypoint});
+    }
+  }
+  v->cells = static_cast<int>(std::min(old_cells.count(), current_cells.count()));
+}
+
 Verification LoopVerifier::Verify(const KeyframeFeatures& current,
                                   const Eigen::Quaterniond& q_W_Bcurrent,
                                   const KeyframeFeatures& old,
                                   const Eigen::Quaterniond& q_W_Bold) const {
   Verification v;
   const GravityPair gravity{LevelRotation(q_W_Bold), LevelRotation(q_W_Bcurrent)};
-  const double focal = camera_->FocalLength();
-
-  Problem first;
-  AddObservations(MatchAll(current, old), current, old, false, &first);
-  AddObservations(MatchAll(old, current), old, current, true, &first);
-  v.matches = static_cast<int>(first.observations.size());
-  if (v.matches < options_.min_matches) {
-    v.reason = RejectReason::kTooFewMatches;
-    return v;
-  }
-  const RansacResult ransac =
-      EstimateRelativePose(first.observations, gravity, focal, options_.pose);
-  v.ransac_inliers = static_cast<int>(ransac.inliers.size());
-  if (v.ransac_inliers < options_.min_ransac_inliers) {
-    v.reason = RejectReason::kTooFewInliers;
-    return v;
-  }
-  std::vector<PointObservation> supported;
-  for (const int i : ransac.inliers) {
-    supported.push_back(first.observations[static_cast<std::size_t>(i)]);
-  }
-  RefinedPose pose =
-      RefineRelativePose(ransac.T_O_U, supported, gravity, true, focal, options_.pose);
-
-  Problem guided;
-  MatchBothWays(current, old, pose.T_O_U, options_.guided_radius_px, &guided, &v.visible);
-  v.guided = static_cast<int>(guided.observations.size());
-  if (v.guided < options_.min_ransac_inliers) {
-    v.reason = RejectReason::kTooFewInliers;
-    return v;
-  }
-  // Once more, closer around the better pose: the wide window lets wrong neighbours in.
-  pose = RefineRelativePose(pose.T_O_U, guided.observations, gravity, true, focal, options_.pose);
-  MatchBothWays(current, old, pose.T_O_U, options_.final_radius_px, &guided, &v.visible);
-  v.guided = static_cast<int>(guided.observations.size());
-  const RefinedPose free =
-      RefineRelativePose(pose.T_O_U, guided.observations, gravity, false, focal, options_.pose);
-  v.gravity_disagreement = GravityDisagreement(free.T_O_U, gravity);
-  pose = RefineRelativePose(pose.T_O_U, guided.observations, gravity, true, focal, options_.pose);
-
-  v.T_Bold_Bcurrent = pose.T_O_U;
-  v.covariance = pose.covariance;
-  v.rmse_px = pose.rmse_px;
-  v.inliers = static_cast<int>(pose.inliers.size());
-  std::bitset<kCellColumns * kCellRows> old_cells;
-  std::bitset<kCellColumns * kCellRows> current_cells;
-  const auto cell = [&](const Eigen::Vector2f& pixel) {
-    const int x = std::clamp(
-        static_cast<int>(pixel.x()) * kCellColumns / camera_->width(), 0, kCellColumns - 1);
-    const int y =
-        std::clamp(static_cast<int>(pixel.y()) * kCellRows / camera_->height(), 0, kCellRows - 1);
-    return static_cast<std::size_t>(y * kCellColumns + x);
+  const auto refine = [&](const Rigid3& start, const Problem& problem, bool use_gravity) {
+    return RefineRelativePose(
+        start, problem.observations, gravity, use_gravity, camera_->FocalLength(), options_.pose);
   };
-  for (const int i : pose.inliers) {
-    const Match& match = guided.matches[static_cast<std::size_t>(i)];
-    const bool is_reverse = guided.observations[static_cast<std::size_t>(i)].is_reverse;
-    const KeyframeFeatures& points = is_reverse ? old : current;
-    const KeyframeFeatures& image = is_reverse ? current : old;
-    (is_reverse ? old_cells : current_cells)
-        .set(cell(points.point_pixels[static_cast<std::size_t>(match.point)]));
-    (is_reverse ? current_cells : old_cells)
-        .set(cell(image.keypoints[static_cast<std::size_t>(match.keypoint)]));
-    if (!is_reverse) {
-      v.point_matches.push_back({match.point, match.keypoint});
-    }
+  const std::optional<Rigid3> first = FirstPose(current, old, gravity, &v);
+  if (!first) {
+    return v;
   }
-  v.cells = static_cast<int>(std::min(old_cells.count(), current_cells.count()));
+  // Twice, the second time closer around the better pose: the wide window lets wrong neighbours in.
+  Problem guided;
+  Rigid3 T_old_current = *first;
+  for (const double radius_px : {options_.guided_radius_px, options_.final_radius_px}) {
+    MatchBothWays(current, old, T_old_current, radius_px, &guided, &v.visible);
+    v.guided = static_cast<int>(guided.observations.size());
+    if (v.guided < options_.min_ransac_inliers) {
+      v.reason = RejectReason::kTooFewInliers;
+      return v;
+    }
+    T_old_current = refine(T_old_current, guided, true).T_O_U;
+  }
+  v.gravity_disagreement = GravityDisagreement(refine(T_old_current, guided, false).T_O_U, gravity);
+  Summarise(current, old, guided, refine(T_old_current, guided, true), &v);
   v.reason = Gate(v);
   return v;
 }

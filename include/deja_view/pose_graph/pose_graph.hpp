@@ -7,6 +7,10 @@
 
 #include <Eigen/Core>
 
+namespace ceres {
+class Problem;
+}
+
 namespace deja_view {
 
 struct PoseGraphOptions {
@@ -63,8 +67,8 @@ struct PoseGraphLoop {
 };
 
 /// 4-DoF pose graph over keyframes: a chain of odometry edges per sequence, loops between any two
-/// nodes. The first node of the map is the anchor. A sequence that no loop joins to the anchor's
-/// keeps its own world and is left out of the solve. A value: copy it to solve a snapshot
+/// nodes. The first node of the map is the anchor. Sequences that no loop joins to the anchor's
+/// keep a world of their own, held by their first node. A value: copy it to solve a snapshot
 /// elsewhere.
 class PoseGraph {
  public:
@@ -123,6 +127,9 @@ class PoseGraph {
  private:
   Eigen::Matrix4d LoopSqrtInformation(const PoseGraphLoop& loop) const;
   Eigen::Matrix4d OdometrySqrtInformation(double distance) const;
+  /// Parameters and residuals of one round, loops weighted by a kernel `mu` times wider than the
+  /// final one.
+  void FillProblem(double mu, ceres::Problem* problem);
   void JoinGroups(const PoseGraphLoop& loop);
   int Group(int sequence) const;
 

@@ -132,6 +132,16 @@ class LoopVerifier {
                        const KeyframeFeatures& image,
                        bool is_reverse,
                        Problem* problem) const;
+  /// Pose from matches over the whole image; sets `v->reason` where it returns nothing.
+  std::optional<Rigid3> FirstPose(const KeyframeFeatures& current,
+                                  const KeyframeFeatures& old,
+                                  const GravityPair& gravity,
+                                  Verification* v) const;
+  void Summarise(const KeyframeFeatures& current,
+                 const KeyframeFeatures& old,
+                 const Problem& problem,
+                 const RefinedPose& pose,
+                 Verification* v) const;
   RejectReason Gate(const Verification& v) const;
 
   LoopVerifierOptions options_;

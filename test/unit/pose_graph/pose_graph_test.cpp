@@ -134,6 +134,26 @@ TEST(PoseGraph, JoinsASecondSequenceAtItsFirstLoop) {
   EXPECT_LT((graph.nodes()[30].t_M_B - flight.vio[30].t).norm(), 1e-12) << "a fixed node moved";
 }
 
+TEST(PoseGraph, CorrectsASequenceThatNothingJoinsToTheFirst) {
+  const Flight flight = MakeFlight(60, 2, 8);
+  PoseGraph graph{PoseGraphOptions{}};
+  graph.AddNode(0, {FromYaw(1.0), {50, 0, 0}});
+  for (const Rigid3& T_W_B : flight.vio) {
+    graph.AddNode(1, T_W_B);
+  }
+  for (int i = 0; i < 60; i += 5) {
+    PoseGraphLoop loop = TrueLoop(flight, i, i + 60);
+    ++loop.from;
+    ++loop.to;
+    graph.AddLoop(loop);
+  }
+  const double before = graph.SquaredError(graph.loops().back());
+  graph.Solve();
+  EXPECT_FALSE(graph.IsAnchored(1));
+  EXPECT_LT(graph.SquaredError(graph.loops().back()), 0.2 * before);
+  EXPECT_EQ(graph.nodes()[1].t_M_B, flight.vio[0].t) << "its first node holds its world";
+}
+
 TEST(PoseGraph, TakesTheSolutionOfASnapshot) {
   const Flight flight = MakeFlight(60, 2, 5);
   PoseGraph graph{PoseGraphOptions{}};
