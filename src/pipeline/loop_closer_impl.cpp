@@ -60,6 +60,8 @@ std::vector<std::string> LoopCloserOptions::Validate() const {
   add("pose_graph", pose_graph.Validate());
   require(candidates.min_age_s > 0, "candidates.min_age_s must be positive");
   require(candidates.retrieved >= 0, "candidates.retrieved must not be negative");
+  require(candidates.island_gap_s >= 0, "candidates.island_gap_s must not be negative");
+  require(candidates.max_loops >= 1, "candidates.max_loops must be at least 1");
   require(candidates.members_per_island >= 1, "candidates.members_per_island must be at least 1");
   require(candidates.max_verified >= 1, "candidates.max_verified must be at least 1");
   require(candidates.nearby >= 0, "candidates.nearby must not be negative");

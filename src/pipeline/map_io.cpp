@@ -1,6 +1,7 @@
 #include "deja_view/base/atomic_file.hpp"
 #include "deja_view/base/check.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -163,6 +164,13 @@ PoseGraphLoop ReadLoop(BinaryReader* in, int keyframe_count, LoopReport* report)
   return loop;
 }
 
+/// Pixels index grids over the image later on.
+bool AreInImage(const std::vector<Eigen::Vector2f>& pixels, const Camera& camera) {
+  return std::all_of(pixels.begin(), pixels.end(), [&](const Eigen::Vector2f& pixel) {
+    return camera.IsInImage(pixel.cast<double>(), -1.0);
+  });
+}
+
 std::string ReadFile(const fs::path& path) {
   std::ifstream stream(path, std::ios::binary);
   if (!stream) {
@@ -227,6 +235,10 @@ LoopCloser::Impl::LoadedMap LoopCloser::Impl::ReadMap(const fs::path& directory)
     StoredKeyframe keyframe;
     PoseGraphNode node;
     ReadKeyframe(&in, &keyframe, &node);
+    if (!AreInImage(keyframe.features.keypoints, *camera) ||
+        !AreInImage(keyframe.features.point_pixels, *camera)) {
+      in.Fail("keyframe features", "pixels outside the image");
+    }
     const int expected = map.keyframes.empty() ? 0 : map.keyframes.back().sequence;
     if (keyframe.sequence != expected && keyframe.sequence != expected + 1) {
       in.Fail("keyframe sequence", "not numbered in order");
