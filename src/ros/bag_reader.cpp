@@ -5,6 +5,8 @@
 #include <map>
 #include <utility>
 
+#include "bag_check.hpp"
+
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 
@@ -34,6 +36,7 @@ BagReader::BagReader(const std::filesystem::path& path)
   if (!std::filesystem::is_regular_file(path, error)) {
     ThrowInputError("{}: no such file: expected a ROS bag", path.string());
   }
+  internal::CheckBag(path);
   try {
     bag_->open(path.string(), rosbag::bagmode::Read);
     rosbag::View view(*bag_);
@@ -46,11 +49,6 @@ BagReader::BagReader(const std::filesystem::path& path)
     for (const auto& [key, count] : counts) {
       topics_.push_back({key.first, key.second, count});
     }
-  } catch (const rosbag::BagUnindexedException&) {
-    ThrowInputError(
-        "{}: the bag was not closed (its recording was cut off): expected an indexed bag; "
-        "'rosbag reindex' repairs it",
-        path.string());
   } catch (const std::exception& e) {
     ThrowDamaged(e.what());
   }

@@ -123,7 +123,7 @@ TEST_F(BagReplayTest, DamagedBagsAreErrorsOrShorterFlights) {
   std::ifstream stream(path, std::ios::binary);
   const std::string content{std::istreambuf_iterator<char>(stream), {}};
   std::mt19937 random(3);
-  for (int trial = 0; trial < 100; ++trial) {
+  for (int trial = 0; trial < 300; ++trial) {
     std::string damaged = content;
     for (int i = 0; i < 3; ++i) {
       damaged[random() % damaged.size()] = static_cast<char>(random());
