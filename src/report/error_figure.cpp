@@ -2,7 +2,7 @@
 #include "deja_view/report/figures.hpp"
 #include "deja_view/report/plot.hpp"
 
-#include <algorithm>
+#include <set>
 
 #include "legend.hpp"
 #include <fmt/format.h>
@@ -42,7 +42,7 @@ std::vector<Curve> Curves(const std::vector<JudgedRun>& runs) {
 
 void DrawCurve(const Curve& curve, const Plot& plot, Svg* svg) {
   const std::vector<Point> points = plot.ToPixels(curve.times_s, curve.errors);
-  svg->AddArea("area " + curve.css_class, points, plot.bottom());
+  svg->AddArea("area " + curve.css_class, points, plot.ToPixel(plot.x().min, 0).y());
   if (curve.ape) {
     svg->AddLine("mean " + curve.css_class,
                  plot.ToPixel(plot.x().min, curve.ape->mean),
@@ -51,18 +51,21 @@ void DrawCurve(const Curve& curve, const Plot& plot, Svg* svg) {
   svg->AddPolyline(curve.css_class, points);
 }
 
-/// A tick on the time axis for every keyframe with an accepted loop.
+/// A tick below the curves for every keyframe with an accepted loop.
 void DrawLoopTicks(const JudgedRun& run, const Plot& plot, Svg* svg) {
   for (const bool wrong : {false, true}) {
-    std::vector<std::pair<Point, Point>> ticks;
+    std::set<int> keyframes;
     for (std::size_t i = 0; i < run.run.loops.size(); ++i) {
-      const int current = run.ends[i].first;
-      if (run.run.loops[i].accepted && current >= 0 &&
+      if (run.run.loops[i].accepted && run.ends[i].first >= 0 &&
           (run.verdicts[i] == Verdict::kWrong) == wrong) {
-        const double x =
-            plot.ToPixel(run.times_s[static_cast<std::size_t>(current)], plot.y().min).x();
-        ticks.emplace_back(Point(x, plot.bottom() - 9), Point(x, plot.bottom() - 1));
+        keyframes.insert(run.ends[i].first);
       }
+    }
+    std::vector<std::pair<Point, Point>> ticks;
+    for (const int keyframe : keyframes) {
+      const double time = run.times_s[static_cast<std::size_t>(keyframe)];
+      const double x = plot.ToPixel(time, 0).x();
+      ticks.emplace_back(Point(x, plot.bottom() - 10), Point(x, plot.bottom() - 2));
     }
     svg->AddSegments(wrong ? "tick wrong" : "tick correct", ticks);
   }
@@ -80,7 +83,9 @@ std::string ErrorFigure(const std::vector<JudgedRun>& runs) {
     times.Include(curve.times_s);
     errors.Include(curve.errors);
   }
-  errors.max *= 1.06;
+  const double largest = errors.max > 0 ? errors.max : 1.0;
+  errors.Include(1.06 * largest);
+  errors.Include(-0.06 * largest);  // a band for the loops
   Svg svg(
       kWidth,
       kHeight,
