@@ -20,8 +20,7 @@ endfunction()
 
 # deja_view_unit_test(MODULE SOURCES file... [MODULES module...] [LINK library...])
 #
-# One test program per module, MODULE_test, from test/unit/MODULE/*_test.cpp. The target deja_view_unit_tests
-# builds all of them.
+# One test program per module, MODULE_test, from test/unit/MODULE/*_test.cpp.
 function(deja_view_unit_test module)
   if(NOT DEJA_VIEW_TESTS)
     return()
@@ -37,10 +36,6 @@ function(deja_view_unit_test module)
   target_link_libraries(${target} PRIVATE ${ARG_LINK} GTest::gmock GTest::gtest_main)
   deja_view_target_defaults(${target})
   add_test(NAME ${module} COMMAND ${target})
-  if(NOT TARGET deja_view_unit_tests)
-    add_custom_target(deja_view_unit_tests)
-  endif()
-  add_dependencies(deja_view_unit_tests ${target})
   set_tests_properties(${module} PROPERTIES LABELS unit)
 endfunction()
 
