@@ -5,7 +5,8 @@
 #define HWY_TARGET_INCLUDE "simd_kernels.cpp"
 #include <algorithm>
 
-// clang-format off: foreach_target comes first, the -inl file last
+// foreach_target comes first, the -inl file last.
+// clang-format off
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 #include <hwy/contrib/math/math-inl.h>
