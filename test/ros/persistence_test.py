@@ -12,6 +12,7 @@ import unittest
 import rospy
 import rostest
 from nav_msgs.msg import Path
+from roslib.packages import find_node
 
 from deja_view.srv import NamedMap
 from flight import Flight, NodeOutputs, wait_until
@@ -33,9 +34,8 @@ class PersistenceTest(unittest.TestCase):
     def start(self, flight, load="", output=""):
         self.process = subprocess.Popen(
             [
-                "rosrun",
-                "deja_view",
-                "loop_fusion_node",
+                # As roslaunch finds it; rosrun passes over a build directory within the package.
+                find_node("deja_view", "loop_fusion_node")[0],
                 "__name:=loop_fusion",
                 "_config_file:=" + os.path.join(flight, "camera.yaml"),
                 "_vocabulary_file:=" + rospy.get_param("~vocabulary"),
