@@ -23,7 +23,7 @@ find_package(catkin REQUIRED COMPONENTS
   diagnostic_msgs diagnostic_updater geometry_msgs message_generation nav_msgs rosbag_storage roscpp
   sensor_msgs std_msgs tf2_ros visualization_msgs)
 
-add_message_files(DIRECTORY msg FILES LoopConstraint.msg)
+add_message_files(DIRECTORY msg FILES LoopConstraint.msg VirtualFrame.msg)
 add_service_files(DIRECTORY srv FILES NamedMap.srv)
 generate_messages(DEPENDENCIES geometry_msgs std_msgs)
 
