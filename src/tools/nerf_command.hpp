@@ -1,25 +1,13 @@
 #pragma once
 
-#include "deja_view/nerf/options.hpp"
-
-#include <array>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
+#include "nerf_input.hpp"
 #include <nlohmann/json.hpp>
 
 namespace deja_view {
-
-/// Where posed images come from.
-struct NerfInput {
-  std::filesystem::path images;  ///< directory of <stamp ns>.<extension>
-  std::filesystem::path camera;  ///< VINS-Mono's YAML
-  std::filesystem::path poses;   ///< TUM
-  std::string poses_of = "body";
-  int holdout = 20;  ///< every N-th image is held out; 0: none
-};
 
 /// What `deja_view nerf train` is told.
 struct NerfTrainRequest {
@@ -28,10 +16,8 @@ struct NerfTrainRequest {
   std::vector<std::string> overrides;  ///< "group.key=value" on top
   std::vector<double> box;             ///< min x y z, max x y z [m]; empty: about the cameras
   double margin = 0.6;                 ///< of that box
-  double scale = 1;
-  bool color = false;
-  double budget_s = 600;  ///< wall time from the start to the model file
-  int steps = 0;          ///< 0: as many as the budget allows
+  double budget_s = 600;               ///< wall time from the start to the model file
+  int steps = 0;                       ///< 0: as many as the budget allows
   int threads = 0;
   std::filesystem::path out;
   bool show_progress = true;
@@ -42,8 +28,7 @@ struct NerfEvalRequest {
   NerfInput input;
   std::filesystem::path model;
   std::filesystem::path pictures;  ///< directory for side-by-side pictures; empty: none
-  double scale = 1;
-  int views = 0;  ///< 0: all held-out ones
+  int views = 0;                   ///< 0: all held-out ones
   int threads = 0;
   std::string kernels = "auto";
   bool show_progress = true;
