@@ -27,6 +27,7 @@ struct VirtualFeatures {
 struct VirtualView {
   std::int64_t stamp_ns = 0;             ///< of the source image
   std::int32_t index = 0;                ///< among the source image's views, from 0
+  std::int32_t count = 0;                ///< how many views the source image has; 0: unknown
   Rigid3 T_C_V;                          ///< the virtual camera's pose in the real camera [m]
   std::shared_ptr<const Camera> camera;  ///< of the virtual view
   cv::Mat image;                         ///< CV_8UC1, the camera's size; may be empty

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "deja_view/VirtualFrame.h"
+#include "deja_view/base/enum_names.hpp"
+#include "deja_view/views/virtual_view.hpp"
+
+#include <array>
+#include <string>
+#include <utility>
+
+namespace deja_view {
+
+/// How the image of a view is compressed in its message.
+enum class ImageFormat { kJpeg, kPng };
+
+template <>
+struct EnumNames<ImageFormat> {
+  static constexpr std::array<std::pair<ImageFormat, const char*>, 2> kNames = {
+      {{ImageFormat::kJpeg, "jpeg"}, {ImageFormat::kPng, "png"}}};
+};
+
+struct VirtualFrameEncoding {
+  ImageFormat image_format = ImageFormat::kJpeg;
+  int jpeg_quality = 90;  ///< 1 to 100
+};
+
+/// The view as a message; the same bytes for the same view. `frame_id` is the real camera's frame.
+/// Throws CheckError for a view without a camera, without image and features, or with parts of
+/// sizes that do not agree.
+VirtualFrame ToVirtualFrame(const VirtualView& view,
+                            const std::string& frame_id,
+                            const VirtualFrameEncoding& encoding = {});
+
+/// What a message holds, decoded. Throws InputError that names the topic, the field, its value and
+/// what was expected: a pose that is none, an impossible camera, an image that can't be decoded or
+/// is of another size than the camera (found out before any memory is taken for its pixels), lists
+/// of different lengths, keypoints outside the image, numbers that are not finite or negative
+/// depths.
+VirtualView FromVirtualFrame(const VirtualFrame& message, const std::string& topic);
+
+}  // namespace deja_view
