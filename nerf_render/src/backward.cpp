@@ -26,6 +26,29 @@ void SplitLevels(const FeatureGrid& grid,
   }
 }
 
+void BackpropagateBackground(const RadianceField& field,
+                             const Kernels& kernels,
+                             const LossGradient& loss,
+                             Trace* trace,
+                             BackwardScratch* scratch,
+                             ChunkGradient* gradient) {
+  const std::size_t rays = trace->background_x.size();
+  const auto stride = static_cast<std::size_t>(field.background_color.row_stride());
+  gradient->background.x = trace->background_x;
+  gradient->background.y = trace->background_y;
+  gradient->background.z = trace->background_z;
+  gradient->background_network.assign(field.background_color.parameters().size(), 0.0F);
+  scratch->d_rows.resize(rays * stride);
+  field.background_color.Backward(kernels,
+                                  trace->background_rows.data(),
+                                  loss.d_background_rows.data(),
+                                  rays,
+                                  &trace->background_activations,
+                                  gradient->background_network.data(),
+                                  scratch->d_rows.data());
+  SplitLevels(field.background, scratch->d_rows, stride, rays, &gradient->background.levels);
+}
+
 }  // namespace
 
 void Backpropagate(const RadianceField& field,
@@ -35,9 +58,11 @@ void Backpropagate(const RadianceField& field,
                    BackwardScratch* scratch,
                    ChunkGradient* gradient) {
   const std::size_t count = trace->size();
-  gradient->x = trace->x;
-  gradient->y = trace->y;
-  gradient->z = trace->z;
+  for (GridGradient* grid : {&gradient->geometry, &gradient->appearance}) {
+    grid->x = trace->x;
+    grid->y = trace->y;
+    grid->z = trace->z;
+  }
 
   const auto color_stride = static_cast<std::size_t>(field.color.row_stride());
   gradient->color_network.assign(field.color.parameters().size(), 0.0F);
@@ -49,7 +74,20 @@ void Backpropagate(const RadianceField& field,
                        &trace->color_activations,
                        gradient->color_network.data(),
                        scratch->d_rows.data());
-  SplitLevels(field.appearance, scratch->d_rows, color_stride, count, &gradient->appearance_levels);
+  SplitLevels(field.appearance, scratch->d_rows, color_stride, count, &gradient->appearance.levels);
+  const auto latent_size = static_cast<std::size_t>(field.options.latent_size);
+  gradient->latent.assign((trace->ray_begin.size() - 1) * latent_size, 0.0F);
+  for (std::size_t s = 0; s < count && latent_size > 0; ++s) {
+    const float* from = scratch->d_rows.data() + s * color_stride + LatentColumn(field);
+    float* to = gradient->latent.data() + trace->ray[s] * latent_size;
+    for (std::size_t i = 0; i < latent_size; ++i) {
+      to[i] += from[i];
+    }
+  }
+
+  if (field.options.far_background) {
+    BackpropagateBackground(field, kernels, loss, trace, scratch, gradient);
+  }
 
   const auto density_stride = static_cast<std::size_t>(field.density.row_stride());
   const auto out_stride = static_cast<std::size_t>(field.density.output_stride());
@@ -67,7 +105,7 @@ void Backpropagate(const RadianceField& field,
                          &scratch->density_activations,
                          gradient->density_network.data(),
                          scratch->d_rows.data());
-  SplitLevels(field.geometry, scratch->d_rows, density_stride, count, &gradient->geometry_levels);
+  SplitLevels(field.geometry, scratch->d_rows, density_stride, count, &gradient->geometry.levels);
 }
 
 }  // namespace deja_view::nerf::internal

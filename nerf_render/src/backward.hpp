@@ -4,17 +4,25 @@
 
 namespace deja_view::nerf::internal {
 
-/// Derivatives of one chunk of rays: complete for the networks; for the grids, those of the
-/// features that each sample read, which ApplyGridGradients carries on.
-struct ChunkGradient {
-  std::vector<float> x, y, z;                       ///< positions of the samples
-  std::vector<std::vector<float>> geometry_levels;  ///< per level: n x features
-  std::vector<std::vector<float>> appearance_levels;
-  std::vector<float> density_network;
-  std::vector<float> color_network;
+/// Derivatives of the features that samples read from one grid, which GridOptimizer carries on to
+/// the grid's entries.
+struct GridGradient {
+  std::vector<float> x, y, z;              ///< positions of the samples
+  std::vector<std::vector<float>> levels;  ///< per level: n x features
 
   std::size_t size() const { return x.size(); }
   Positions positions() const { return {x.data(), y.data(), z.data()}; }
+};
+
+/// Derivatives of one chunk of rays; the networks' are complete.
+struct ChunkGradient {
+  GridGradient geometry;
+  GridGradient appearance;
+  GridGradient background;  ///< a sample per ray; empty without far background
+  std::vector<float> density_network;
+  std::vector<float> color_network;
+  std::vector<float> background_network;
+  std::vector<float> latent;  ///< rays x latent_size
 };
 
 /// Working memory of Backpropagate.

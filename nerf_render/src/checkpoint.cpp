@@ -14,7 +14,7 @@ namespace deja_view::nerf {
 namespace {
 
 constexpr std::array<char, 8> kMagic = {'D', 'V', 'N', 'E', 'R', 'F', '\r', '\n'};
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 
 struct Header {
   std::array<char, 8> magic;
@@ -23,29 +23,65 @@ struct Header {
   std::uint64_t body_size;
 };
 
-std::uint64_t Checksum(const std::vector<char>& body) {
-  std::uint64_t hash = 0xCBF29CE484222325ULL;
-  for (std::size_t i = 0; i < body.size(); i += 8) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, body.data() + i, std::min<std::size_t>(8, body.size() - i));
-    hash = (hash ^ word) * 0x100000001B3ULL;
-    hash ^= hash >> 32U;
+/// FNV-1a over words of eight bytes, of data that comes in pieces.
+class Checksum {
+ public:
+  void Add(const void* data, std::size_t size) {
+    const char* from = static_cast<const char*>(data);
+    for (; size > 0 && held_ > 0; --size) {
+      Hold(*from++);
+    }
+    for (; size >= 8; size -= 8, from += 8) {
+      std::uint64_t word = 0;
+      std::memcpy(&word, from, 8);
+      Mix(word);
+    }
+    for (; size > 0; --size) {
+      Hold(*from++);
+    }
   }
-  return hash;
-}
+  std::uint64_t Value() const {
+    Checksum last = *this;
+    while (last.held_ > 0) {
+      last.Hold(0);
+    }
+    return last.hash_;
+  }
 
+ private:
+  void Hold(char byte) {
+    word_[held_++] = byte;
+    if (held_ == 8) {
+      std::uint64_t word = 0;
+      std::memcpy(&word, word_.data(), 8);
+      Mix(word);
+      held_ = 0;
+    }
+  }
+  void Mix(std::uint64_t word) {
+    hash_ = (hash_ ^ word) * 0x100000001B3ULL;
+    hash_ ^= hash_ >> 32U;
+  }
+  std::uint64_t hash_ = 0xCBF29CE484222325ULL;
+  std::array<char, 8> word_{};
+  std::size_t held_ = 0;
+};
+
+/// Counts bytes or, given a stream, writes and sums them up.
 class Writer {
  public:
+  explicit Writer(std::ostream* out) : out_(out) {}
+
   template <typename T>
   void Value(const T& value) {
     static_assert(std::is_arithmetic_v<T>);
     Bytes(&value, sizeof(T));
   }
   void Bytes(const void* from, std::size_t size) {
-    if (size > 0) {
-      const std::size_t at = body.size();
-      body.resize(at + size);
-      std::memcpy(body.data() + at, from, size);
+    size_ += size;
+    if (out_ != nullptr && size > 0) {
+      checksum_.Add(from, size);
+      out_->write(static_cast<const char*>(from), static_cast<std::streamsize>(size));
     }
   }
   template <typename T>
@@ -56,12 +92,42 @@ class Writer {
       field.Visit(*this);
     }
   }
-  std::vector<char> body;
+  std::uint64_t size() const { return size_; }
+  std::uint64_t checksum() const { return checksum_.Value(); }
+
+ private:
+  std::ostream* out_;
+  std::uint64_t size_ = 0;
+  Checksum checksum_;
 };
 
+/// Reads the body of a model file; what it says is to be believed only after Finish().
 class Reader {
  public:
-  Reader(std::string path, const std::vector<char>& body) : path_(std::move(path)), body_(body) {}
+  explicit Reader(const std::filesystem::path& path)
+      : path_(path.string()), stream_(path, std::ios::binary | std::ios::ate) {
+    if (!stream_) {
+      ThrowInputError("{}: can't be opened as a NeRF model", path_);
+    }
+    const auto size = static_cast<std::uint64_t>(stream_.tellg());
+    stream_.seekg(0);
+    Header header{};
+    char raw[sizeof(Header)];
+    if (size < sizeof(Header) + 8 || !stream_.read(raw, sizeof(Header))) {
+      ThrowInputError("{}: {} bytes are too few for a NeRF model", path_, size);
+    }
+    std::memcpy(&header, raw, sizeof(Header));
+    if (header.magic != kMagic) {
+      ThrowInputError("{}: is no NeRF model (its first bytes are others)", path_);
+    }
+    if (header.version != kVersion || header.reserved != 0) {
+      ThrowInputError("{}: version {}, expected {}", path_, header.version, kVersion);
+    }
+    left_ = size - sizeof(Header) - 8;
+    if (header.body_size != left_) {
+      ThrowInputError("{}: says {} bytes of content, has {}", path_, header.body_size, left_);
+    }
+  }
 
   template <typename T>
   T Value() {
@@ -71,12 +137,15 @@ class Reader {
     return value;
   }
   void Bytes(void* to, std::size_t size) {
-    if (size > body_.size() - at_) {
-      ThrowInputError("{}: ends early: {} more bytes expected at {}", path_, size, at_);
+    if (size > left_) {
+      ThrowInputError("{}: ends early: {} more bytes expected, {} left", path_, size, left_);
     }
     if (size > 0) {
-      std::memcpy(to, body_.data() + at_, size);
-      at_ += size;
+      if (!stream_.read(static_cast<char*>(to), static_cast<std::streamsize>(size))) {
+        ThrowInputError("{}: can't be read to its end", path_);
+      }
+      checksum_.Add(to, size);
+      left_ -= size;
     }
   }
   template <typename T>
@@ -87,51 +156,30 @@ class Reader {
       field.Visit(*this);
     }
   }
-  std::size_t left() const { return body_.size() - at_; }
+  /// Throws InputError unless all has been read and was as it was written.
+  void Finish() {
+    if (left_ != 0) {
+      ThrowInputError("{}: {} bytes too many", path_, left_);
+    }
+    std::uint64_t checksum = 0;
+    char tail[sizeof(checksum)];
+    if (!stream_.read(tail, sizeof(tail))) {
+      ThrowInputError("{}: can't be read to its end", path_);
+    }
+    std::memcpy(&checksum, tail, sizeof(tail));
+    if (checksum != checksum_.Value()) {
+      ThrowInputError("{}: is damaged (its checksum differs)", path_);
+    }
+  }
+  std::uint64_t left() const { return left_; }
   const std::string& path() const { return path_; }
 
  private:
   std::string path_;
-  const std::vector<char>& body_;
-  std::size_t at_ = 0;
+  std::ifstream stream_;
+  std::uint64_t left_ = 0;
+  Checksum checksum_;
 };
-
-std::vector<char> ReadBody(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary | std::ios::ate);
-  if (!stream) {
-    ThrowInputError("{}: can't be opened as a NeRF model", path);
-  }
-  const auto size = static_cast<std::uint64_t>(stream.tellg());
-  stream.seekg(0);
-  Header header{};
-  char raw[sizeof(Header)];
-  if (size < sizeof(Header) + 8 || !stream.read(raw, sizeof(Header))) {
-    ThrowInputError("{}: {} bytes are too few for a NeRF model", path, size);
-  }
-  std::memcpy(&header, raw, sizeof(Header));
-  if (header.magic != kMagic) {
-    ThrowInputError("{}: is no NeRF model (its first bytes are others)", path);
-  }
-  if (header.version != kVersion || header.reserved != 0) {
-    ThrowInputError("{}: version {}, expected {}", path, header.version, kVersion);
-  }
-  if (header.body_size != size - sizeof(Header) - 8) {
-    ThrowInputError(
-        "{}: says {} bytes of content, has {}", path, header.body_size, size - sizeof(Header) - 8);
-  }
-  std::vector<char> body(header.body_size);
-  std::uint64_t checksum = 0;
-  char tail[8];
-  if (!stream.read(body.data(), static_cast<std::streamsize>(body.size())) ||
-      !stream.read(tail, sizeof(tail))) {
-    ThrowInputError("{}: can't be read to its end", path);
-  }
-  std::memcpy(&checksum, tail, sizeof(tail));
-  if (checksum != Checksum(body)) {
-    ThrowInputError("{}: is damaged (its checksum differs)", path);
-  }
-  return body;
-}
 
 template <typename Floats>
 void WriteFloats(const Floats& values, Writer* writer) {
@@ -188,44 +236,58 @@ void ReadExposures(Reader* reader, RadianceField* field) {
     exposure.stamp_ns = reader->Value<std::int64_t>();
     exposure.gain = reader->Value<float>();
     exposure.bias = reader->Value<float>();
+    exposure.latent.resize(static_cast<std::size_t>(field->options.latent_size));
+    reader->Bytes(exposure.latent.data(), exposure.latent.size() * sizeof(float));
     field->exposures.push_back(std::move(exposure));
   }
+}
+
+void WriteBody(const RadianceField& field, Writer* writer) {
+  FieldOptions options = field.options;
+  MarchOptions march = field.march;
+  options.Visit(*writer);
+  march.Visit(*writer);
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    writer->Value(field.box.min[axis]);
+    writer->Value(field.box.max[axis]);
+  }
+  writer->Value(static_cast<std::int32_t>(field.channels));
+  WriteFloats(field.geometry.parameters(), writer);
+  WriteFloats(field.appearance.parameters(), writer);
+  WriteFloats(field.density.parameters(), writer);
+  WriteFloats(field.color.parameters(), writer);
+  WriteFloats(field.background.parameters(), writer);
+  WriteFloats(field.background_color.parameters(), writer);
+  writer->Value(static_cast<std::uint64_t>(field.occupancy.words().size()));
+  writer->Bytes(field.occupancy.words().data(), field.occupancy.words().size() * 8);
+  writer->Value(static_cast<std::uint64_t>(field.exposures.size()));
+  for (const Exposure& exposure : field.exposures) {
+    writer->Value(static_cast<std::uint32_t>(exposure.image.size()));
+    writer->Bytes(exposure.image.data(), exposure.image.size());
+    writer->Value(exposure.stamp_ns);
+    writer->Value(exposure.gain);
+    writer->Value(exposure.bias);
+    writer->Bytes(exposure.latent.data(), exposure.latent.size() * sizeof(float));
+  }
+  for (const float k : field.vignetting.k) {
+    writer->Value(k);
+  }
+  writer->Value(field.progress);
 }
 
 }  // namespace
 
 void WriteField(const std::filesystem::path& path, const RadianceField& field) {
-  Writer writer;
-  FieldOptions options = field.options;
-  MarchOptions march = field.march;
-  options.Visit(writer);
-  march.Visit(writer);
-  for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    writer.Value(field.box.min[axis]);
-    writer.Value(field.box.max[axis]);
-  }
-  writer.Value(static_cast<std::int32_t>(field.channels));
-  WriteFloats(field.geometry.parameters(), &writer);
-  WriteFloats(field.appearance.parameters(), &writer);
-  WriteFloats(field.density.parameters(), &writer);
-  WriteFloats(field.color.parameters(), &writer);
-  writer.Value(static_cast<std::uint64_t>(field.occupancy.words().size()));
-  writer.Bytes(field.occupancy.words().data(), field.occupancy.words().size() * 8);
-  writer.Value(static_cast<std::uint64_t>(field.exposures.size()));
-  for (const Exposure& exposure : field.exposures) {
-    writer.Value(static_cast<std::uint32_t>(exposure.image.size()));
-    writer.Bytes(exposure.image.data(), exposure.image.size());
-    writer.Value(exposure.stamp_ns);
-    writer.Value(exposure.gain);
-    writer.Value(exposure.bias);
-  }
-  const Header header{kMagic, kVersion, 0, writer.body.size()};
-  const std::uint64_t checksum = Checksum(writer.body);
+  Writer counter(nullptr);
+  WriteBody(field, &counter);
+  const Header header{kMagic, kVersion, 0, counter.size()};
   WriteFileAtomically(path, [&](std::ostream& out) {
     char raw[sizeof(Header)];
     std::memcpy(raw, &header, sizeof(Header));
     out.write(raw, sizeof(Header));
-    out.write(writer.body.data(), static_cast<std::streamsize>(writer.body.size()));
+    Writer writer(&out);
+    WriteBody(field, &writer);
+    const std::uint64_t checksum = writer.checksum();
     char tail[sizeof(checksum)];
     std::memcpy(tail, &checksum, sizeof(checksum));
     out.write(tail, sizeof(tail));
@@ -233,8 +295,8 @@ void WriteField(const std::filesystem::path& path, const RadianceField& field) {
 }
 
 RadianceField ReadField(const std::filesystem::path& path) {
-  const std::vector<char> body = ReadBody(path.string());
-  Reader reader(path.string(), body);
+  Reader reader(path);
+  const std::uint64_t size = reader.left();
   FieldOptions options;
   MarchOptions march;
   SceneBox box;
@@ -253,7 +315,7 @@ RadianceField ReadField(const std::filesystem::path& path) {
       (channels != 1 && channels != 3)) {
     ThrowInputError("{}: its box or its {} channels make no sense", path.string(), channels);
   }
-  if (LeastBytes(options, (box.max - box.min) / box.Size()) > body.size()) {
+  if (LeastBytes(options, (box.max - box.min) / box.Size()) > size) {
     ThrowInputError("{}: is too short for the model it describes", path.string());
   }
   RadianceField field(options, march, box, channels, 0);
@@ -261,6 +323,9 @@ RadianceField ReadField(const std::filesystem::path& path) {
   ReadFloats("appearance", &reader, &field.appearance.parameters());
   ReadFloats("density network", &reader, &field.density.parameters());
   ReadFloats("colour network", &reader, &field.color.parameters());
+  ReadFloats("background", &reader, &field.background.parameters());
+  ReadFloats("background network", &reader, &field.background_color.parameters());
+  field.background_color.UpdateTranspose();
   field.density.UpdateTranspose();
   field.color.UpdateTranspose();
   const auto words = reader.Value<std::uint64_t>();
@@ -272,8 +337,13 @@ RadianceField ReadField(const std::filesystem::path& path) {
   }
   reader.Bytes(field.occupancy.words().data(), words * 8);
   ReadExposures(&reader, &field);
-  if (reader.left() != 0) {
-    ThrowInputError("{}: {} bytes too many", path.string(), reader.left());
+  for (float& k : field.vignetting.k) {
+    k = reader.Value<float>();
+  }
+  field.progress = reader.Value<float>();
+  reader.Finish();
+  if (!(field.progress >= 0 && field.progress <= 1)) {
+    ThrowInputError("{}: its progress {} is not in [0, 1]", path.string(), field.progress);
   }
   return field;
 }

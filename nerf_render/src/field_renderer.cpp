@@ -14,6 +14,9 @@ namespace {
 
 constexpr int kTile = 16;  ///< [px]; neighbouring rays read the same cells
 
+// Less light than eight bits can show.
+constexpr float kLeastTransmittance = 1.0F / 256;
+
 struct Tile {
   int x, y, width, height;
 };
@@ -53,6 +56,7 @@ void WritePixel(const internal::Trace& trace,
                 std::size_t ray,
                 const RadianceField& field,
                 const ViewRenderOptions& options,
+                float vignetting,
                 cv::Point pixel,
                 RenderedView* view) {
   const auto channels = static_cast<std::size_t>(field.channels);
@@ -69,13 +73,17 @@ void WritePixel(const internal::Trace& trace,
       color[c] += w * trace.color[s * channels + c];
     }
   }
+  for (std::size_t c = 0; c < channels && !trace.background.empty(); ++c) {
+    color[c] += trace.transmittance[ray] * trace.background[ray * channels + c];
+  }
   const float mean = sum > 0 ? sum_t / sum : 0.0F;
   for (std::size_t s = trace.ray_begin[ray]; s < trace.ray_begin[ray + 1]; ++s) {
     sum_t2 += trace.weight[s] * (trace.t[s] - mean) * (trace.t[s] - mean);
   }
+  const float gain = options.gain * vignetting;
   std::uint8_t* out = view->image.ptr(pixel.y) + static_cast<std::size_t>(pixel.x) * channels;
   for (std::size_t c = 0; c < channels; ++c) {
-    out[c] = ToGrey(options.gain * color[c] + options.bias);
+    out[c] = ToGrey(gain * color[c] + options.bias);
   }
   view->depth.at<float>(pixel) = mean * size;
   view->depth_variance.at<float>(pixel) = sum > 0 ? sum_t2 / sum * size * size : 0.0F;
@@ -100,6 +108,8 @@ RenderedView FieldRenderer::Render(const Camera& camera,
   const std::vector<Tile> tiles = MakeTiles(camera);
   internal::TraceOptions trace_options;
   trace_options.march = field_->march;
+  trace_options.march.min_transmittance =
+      std::max(kLeastTransmittance, field_->march.min_transmittance);
   ParallelFor(
       options.threads,
       tiles.size(),
@@ -112,7 +122,9 @@ RenderedView FieldRenderer::Render(const Camera& camera,
           std::size_t ray = 0;
           for (int y = tile.y; y < tile.y + tile.height; ++y) {
             for (int x = tile.x; x < tile.x + tile.width; ++x) {
-              WritePixel(trace, ray++, *field_, options, {x, y}, &view);
+              const auto z = static_cast<float>(camera.Unproject({x, y}).z());
+              const float vignetting = options.vignetting ? field_->vignetting.At(1 - z) : 1.0F;
+              WritePixel(trace, ray++, *field_, options, vignetting, {x, y}, &view);
             }
           }
         }

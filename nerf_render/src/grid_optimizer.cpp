@@ -15,17 +15,21 @@ GridOptimizer::GridOptimizer(const FeatureGrid& grid)
 
 void GridOptimizer::Update(std::size_t level,
                            const std::vector<ChunkGradient>& chunks,
-                           std::vector<std::vector<float>> ChunkGradient::*levels_of,
+                           GridGradient ChunkGradient::*part,
                            const AdamStep& step,
                            const Kernels& kernels,
                            FeatureGrid* grid) {
   const GridLevel& shape = grid->levels()[level];
   std::vector<std::uint8_t>& touched = touched_[level];
   for (const ChunkGradient& chunk : chunks) {
+    const GridGradient& samples = chunk.*part;
+    if (samples.size() == 0) {
+      continue;
+    }
     kernels.grid_backward(shape,
-                          chunk.positions(),
-                          chunk.size(),
-                          (chunk.*levels_of)[level].data(),
+                          samples.positions(),
+                          samples.size(),
+                          samples.levels[level].data(),
                           gradient_.data() + shape.offset,
                           touched.data());
   }

@@ -18,11 +18,11 @@ class GridOptimizer {
 
   std::size_t levels() const { return touched_.size(); }
 
-  /// Gradient of level `level` from all chunks, then an Adam step on what they touched. `levels_of`
-  /// picks a chunk's per-level arrays. Calls for different levels may run at the same time.
+  /// Gradient of level `level` from all chunks, then an Adam step on what they touched. `part`
+  /// picks the grid's from a chunk. Calls for different levels may run at the same time.
   void Update(std::size_t level,
               const std::vector<ChunkGradient>& chunks,
-              std::vector<std::vector<float>> ChunkGradient::*levels_of,
+              GridGradient ChunkGradient::*part,
               const AdamStep& step,
               const Kernels& kernels,
               FeatureGrid* grid);

@@ -10,7 +10,7 @@ namespace deja_view::nerf::internal {
 namespace {
 
 constexpr float kDecay = 0.9F;
-constexpr float kOpticalDepth = 0.01F;  ///< per step, that makes a cell matter
+constexpr double kCarvedShare = 0.96;  ///< of the way to a depth point is surely empty
 
 bool Sees(const TrainingView& view, const Eigen::Vector3d& p_N, double radius) {
   const Eigen::Vector3d p_C = view.T_N_C.Inverse() * p_N;
@@ -26,29 +26,87 @@ bool Sees(const TrainingView& view, const Eigen::Vector3d& p_N, double radius) {
 
 OccupancyUpdate::OccupancyUpdate(const std::vector<TrainingView>& views,
                                  int threads,
+                                 int carve_votes,
                                  RadianceField* field)
-    : density_(field->occupancy.cell_count(), 0.0F), seen_(field->occupancy.words().size(), 0) {
-  OccupancyGrid& grid = field->occupancy;
-  const double cell = field->box.Size() / static_cast<double>(grid.scale());
+    : density_(field->occupancy.cell_count(), 0.0F), open_(field->occupancy.words().size(), 0) {
+  FindSeen(views, threads, *field);
+  if (carve_votes > 0) {
+    Carve(views, carve_votes, *field);
+  }
+  field->occupancy.words() = open_;
+}
+
+void OccupancyUpdate::FindSeen(const std::vector<TrainingView>& views,
+                               int threads,
+                               const RadianceField& field) {
+  const OccupancyGrid& grid = field.occupancy;
+  const double cell = field.box.Size() / static_cast<double>(grid.scale());
   ParallelFor(
       threads,
-      seen_.size(),
+      open_.size(),
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t block = begin; block < end; ++block) {
           const std::array<int, 3> low = grid.Cell(block * 64);
           const Eigen::Vector3d p_N =
-              field->box.min + cell * Eigen::Vector3d(low[0] + 2.0, low[1] + 2.0, low[2] + 2.0);
+              field.box.min + cell * Eigen::Vector3d(low[0] + 2.0, low[1] + 2.0, low[2] + 2.0);
           // In strides, since neighbouring views see much the same.
           constexpr std::size_t kStride = 37;
-          for (std::size_t first = 0; first < kStride && seen_[block] == 0; ++first) {
-            for (std::size_t v = first; v < views.size() && seen_[block] == 0; v += kStride) {
-              seen_[block] = Sees(views[v], p_N, 3.5 * cell) ? 1 : 0;
+          bool seen = false;
+          for (std::size_t first = 0; first < kStride && !seen; ++first) {
+            for (std::size_t v = first; v < views.size() && !seen; v += kStride) {
+              seen = Sees(views[v], p_N, 3.5 * cell);
             }
           }
-          grid.words()[block] = seen_[block] != 0 ? ~std::uint64_t{0} : 0;
+          open_[block] = seen ? ~std::uint64_t{0} : 0;
         }
       },
       256);
+}
+
+void OccupancyUpdate::Carve(const std::vector<TrainingView>& views,
+                            int votes,
+                            const RadianceField& field) {
+  const OccupancyGrid& grid = field.occupancy;
+  const double cell = field.box.Size() / static_cast<double>(grid.scale());
+  const auto cell_of = [&](const Eigen::Vector3d& p_N) -> Eigen::Array3i {
+    return ((p_N - field.box.min) / cell).array().floor().cast<int>();
+  };
+  const auto is_inside = [&](const Eigen::Array3i& at) {
+    return (at >= 0).all() && at.x() < grid.cells()[0] && at.y() < grid.cells()[1] &&
+           at.z() < grid.cells()[2];
+  };
+  std::vector<std::uint8_t> passed(grid.cell_count(), 0);
+  std::vector<std::uint8_t> beside(grid.cell_count(), 0);
+  for (const TrainingView& view : views) {
+    for (const DepthPoint& point : view.points) {
+      const Eigen::Vector3d ray_N = view.T_N_C.q * view.camera->Unproject({point.u, point.v});
+      const auto range = static_cast<double>(point.range);
+      std::size_t last = grid.cell_count();
+      for (double t = 0; t < kCarvedShare * range - cell; t += cell / 2) {
+        const Eigen::Array3i at = cell_of(view.T_N_C.t + t * ray_N);
+        if (!is_inside(at)) {
+          continue;
+        }
+        const std::size_t index = grid.Index(at.x(), at.y(), at.z());
+        if (index != last && passed[index] < 255) {
+          ++passed[index];
+        }
+        last = index;
+      }
+      const Eigen::Array3i center = cell_of(view.T_N_C.t + range * ray_N);
+      for (int i = 0; i < 27; ++i) {
+        const Eigen::Array3i at = center + Eigen::Array3i(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+        if (is_inside(at)) {
+          beside[grid.Index(at.x(), at.y(), at.z())] = 1;
+        }
+      }
+    }
+  }
+  for (std::size_t i = 0; i < passed.size(); ++i) {
+    if (passed[i] >= votes && beside[i] == 0) {
+      open_[i / 64] &= ~(std::uint64_t{1} << (i % 64));
+    }
+  }
 }
 
 void OccupancyUpdate::Run(const Kernels& kernels,
@@ -61,23 +119,21 @@ void OccupancyUpdate::Run(const Kernels& kernels,
   const float cell = 1 / grid.scale();
   // Not above the mean, so that what has hardly begun to grow is kept.
   double sum = 0;
-  std::size_t seen = 0;
-  for (std::size_t block = 0; block < seen_.size(); ++block) {
-    if (seen_[block] != 0) {
-      seen += 64;
-      for (std::size_t i = 64 * block; i < 64 * block + 64; ++i) {
-        sum += static_cast<double>(density_[i]);
-      }
+  std::size_t open = 0;
+  for (std::size_t i = 0; i < density_.size(); ++i) {
+    if ((open_[i / 64] >> (i % 64) & 1U) != 0) {
+      ++open;
+      sum += static_cast<double>(density_[i]);
     }
   }
   const float threshold =
-      std::min(kOpticalDepth / options.march.min_step,
-               static_cast<float>(sum / static_cast<double>(std::max<std::size_t>(1, seen))));
+      std::min(options.occupancy_threshold / options.march.min_step,
+               static_cast<float>(sum / static_cast<double>(std::max<std::size_t>(1, open))));
   const auto stride = static_cast<std::size_t>(field->density.row_stride());
   const auto out_stride = static_cast<std::size_t>(field->density.output_stride());
   ParallelFor(
       options.threads,
-      seen_.size(),
+      open_.size(),
       [&](std::size_t begin, std::size_t end) {
         std::vector<std::size_t> cells;
         std::vector<float> x, y, z, rows, raw, dt, sigma, unused;
@@ -89,12 +145,13 @@ void OccupancyUpdate::Run(const Kernels& kernels,
           y.clear();
           z.clear();
           for (std::size_t block = first; block < std::min(end, first + kBlocks); ++block) {
-            if (seen_[block] == 0) {
+            if (open_[block] == 0) {
               continue;
             }
             Random random(options.seed, (round << 32U) + block);
             for (std::size_t i = 64 * block; i < 64 * block + 64; ++i) {
-              const bool look = (random.Next() >> 60U) == 0 || grid.IsOccupied(i) || full;
+              const bool due = (random.Next() >> 60U) == 0 || grid.IsOccupied(i) || full;
+              const bool look = due && (open_[block] >> (i % 64) & 1U) != 0;
               const std::array<int, 3> at = grid.Cell(i);
               const float u = random.Uniform();
               const float v = random.Uniform();

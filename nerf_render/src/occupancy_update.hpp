@@ -12,7 +12,11 @@ namespace deja_view::nerf::internal {
 class OccupancyUpdate {
  public:
   /// Marks the blocks that no view can see as empty for ever: nothing there is ever trained.
-  OccupancyUpdate(const std::vector<TrainingView>& views, int threads, RadianceField* field);
+  /// So are cells in front of at least `carve_votes` depth points and not beside any.
+  OccupancyUpdate(const std::vector<TrainingView>& views,
+                  int threads,
+                  int carve_votes,
+                  RadianceField* field);
 
   /// `round` numbers the random draws. Looks at all cells that are occupied and at one in sixteen
   /// of the others, or at all if `full`.
@@ -23,8 +27,11 @@ class OccupancyUpdate {
            RadianceField* field);
 
  private:
-  std::vector<float> density_;      ///< per cell
-  std::vector<std::uint8_t> seen_;  ///< per block
+  void FindSeen(const std::vector<TrainingView>& views, int threads, const RadianceField& field);
+  void Carve(const std::vector<TrainingView>& views, int votes, const RadianceField& field);
+
+  std::vector<float> density_;       ///< per cell
+  std::vector<std::uint64_t> open_;  ///< cells that may hold matter, as OccupancyGrid::words()
 };
 
 }  // namespace deja_view::nerf::internal

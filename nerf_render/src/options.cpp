@@ -44,10 +44,12 @@ std::vector<std::string> FieldOptions::Validate() const {
   Violations v;
   v.Grid("geometry", geometry);
   v.Grid("appearance", appearance);
+  v.Grid("background", background);
   v.Range("density_hidden", density_hidden, 1, 128);
   v.Range("color_hidden", color_hidden, 1, 128);
   v.Range("color_hidden_layers", color_hidden_layers, 1, 3);
   v.Range("direction_degree", direction_degree, 0, 4);
+  v.Range("latent_size", latent_size, 0, 32);
   v.Range("occupancy_resolution", occupancy_resolution, 8, 1024);
   return v.list;
 }
@@ -70,8 +72,12 @@ std::vector<std::string> TrainOptions::Validate() const {
   v.Range("huber_delta", huber_delta, 1e-6F, 1e6F);
   v.Range("depth_weight", depth_weight, 0.0F, 1e3F);
   v.Range("depth_share", depth_share, 0.0F, 0.9F);
+  v.Range("final_depth_share", final_depth_share, 0.0F, 0.9F);
+  v.Range("carve_votes", carve_votes, 0, 255);
   v.Range("distortion_weight", distortion_weight, 0.0F, 1e3F);
+  v.Range("pose_learning_rate", pose_learning_rate, 0.0F, 1.0F);
   v.Range("warmup_steps", warmup_steps, 0, 1 << 24);
+  v.Range("occupancy_threshold", occupancy_threshold, 1e-6F, 0.9F);
   v.Range("occupancy_interval", occupancy_interval, 1, 1 << 24);
   return v.list;
 }

@@ -7,6 +7,7 @@ namespace {
 
 // exp of it is the untrained density: about one half of the light passes the whole box.
 constexpr float kInitialLogDensity = -0.5F;
+constexpr int kBackgroundHidden = 16;
 
 }  // namespace
 
@@ -25,11 +26,16 @@ RadianceField::RadianceField(const FieldOptions& field_options,
   density = Network({geometry.outputs(), options.density_hidden, 1}, seed + 2);
   density.OutputBias(0) = kInitialLogDensity;
   const int degree = options.direction_degree;
-  std::vector<int> sizes = {appearance.outputs() + (degree + 1) * (degree + 1) - 1};
+  std::vector<int> sizes = {appearance.outputs() + (degree + 1) * (degree + 1) - 1 +
+                            options.latent_size};
   sizes.insert(
       sizes.end(), static_cast<std::size_t>(options.color_hidden_layers), options.color_hidden);
   sizes.push_back(channels);
   color = Network(sizes, seed + 3);
+  if (options.far_background) {
+    background = FeatureGrid(options.background, Eigen::Vector3f::Ones(), seed + 4);
+    background_color = Network({background.outputs(), kBackgroundHidden, channels}, seed + 5);
+  }
   occupancy = OccupancyGrid(options.occupancy_resolution, Extent());
 }
 

@@ -3,6 +3,7 @@
 #include "deja_view/base/parallel.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "random.hpp"
 
@@ -12,7 +13,6 @@ RayBatch::RayBatch(const TrainOptions& options, const std::vector<TrainingView>&
     : options_(options), views_(views) {
   for (std::size_t v = 0; v < views.size(); ++v) {
     const Camera& camera = *views[v].camera;
-    R_N_C_.push_back(views[v].T_N_C.R());
     std::vector<Pixel>& directions = directions_[&camera];
     if (directions.empty()) {
       const auto width = static_cast<std::size_t>(camera.width());
@@ -37,25 +37,56 @@ RayBatch::RayBatch(const TrainOptions& options, const std::vector<TrainingView>&
   }
 }
 
+void RayBatch::AddRay(const RadianceField& field,
+                      const ImageParameters& images,
+                      std::uint32_t v,
+                      int x,
+                      int y,
+                      float jitter,
+                      std::vector<Ray>* rays,
+                      std::vector<RayTarget>* targets) const {
+  const TrainingView& view = views_[v];
+  const Pixel& d =
+      (*directions_of_[v])[static_cast<std::size_t>(y) * static_cast<std::size_t>(view.image.cols) +
+                           static_cast<std::size_t>(x)];
+  const Eigen::Vector3d direction_C(
+      static_cast<double>(d.x), static_cast<double>(d.y), static_cast<double>(d.z));
+  const Rigid3& T_N_C = images.T_N_C(v);
+  rays->push_back(MakeRay(field, T_N_C.t, T_N_C.q * direction_C, jitter));
+  rays->back().latent = images.latent(v);
+  RayTarget target;
+  target.view = v;
+  target.off_axis = 1 - d.z;
+  target.vignetting = field.vignetting.At(target.off_axis);
+  const int channels = view.image.channels();
+  const std::uint8_t* pixel = view.image.ptr(y) + static_cast<std::ptrdiff_t>(x) * channels;
+  for (int c = 0; c < channels; ++c) {
+    target.color[static_cast<std::size_t>(c)] = static_cast<float>(pixel[c]) / 255;
+  }
+  targets->push_back(target);
+}
+
 void RayBatch::Draw(const RadianceField& field,
+                    const ImageParameters& images,
                     std::uint64_t step,
                     std::size_t chunk,
+                    float depth_share,
                     std::vector<Ray>* rays,
                     std::vector<RayTarget>* targets) const {
   Random random(options_.seed, step * 65536 + chunk);
   rays->clear();
   targets->clear();
-  const auto depth_rays =
-      points_.empty() || options_.depth_weight == 0
-          ? std::size_t{0}
-          : static_cast<std::size_t>(options_.depth_share * static_cast<float>(kChunk));
+  const auto depth_rays = points_.empty() || options_.depth_weight == 0
+                              ? std::size_t{0}
+                              : static_cast<std::size_t>(depth_share * static_cast<float>(kChunk));
   for (std::size_t i = 0; i < depth_rays; ++i) {
     const PointRef ref = points_[random.Index(static_cast<std::uint32_t>(points_.size()))];
     const TrainingView& view = views_[ref.view];
     const DepthPoint& point = view.points[ref.point];
-    const Eigen::Vector3d direction_C = view.camera->Unproject({point.u, point.v});
-    rays->push_back(MakeRay(field, view.T_N_C.t, R_N_C_[ref.view] * direction_C, random.Uniform()));
-    targets->push_back({ref.view, true, {}, point.range / static_cast<float>(field.box.Size())});
+    const int x = std::clamp(static_cast<int>(std::lround(point.u)), 0, view.image.cols - 1);
+    const int y = std::clamp(static_cast<int>(std::lround(point.v)), 0, view.image.rows - 1);
+    AddRay(field, images, ref.view, x, y, random.Uniform(), rays, targets);
+    targets->back().range = point.range / static_cast<float>(field.box.Size());
   }
   while (rays->size() < kChunk) {
     const std::uint32_t v = random.Index(static_cast<std::uint32_t>(views_.size()));
@@ -65,23 +96,8 @@ void RayBatch::Draw(const RadianceField& field,
         static_cast<int>(random.Index(static_cast<std::uint32_t>(view.image.cols - patch + 1)));
     const auto y0 =
         static_cast<int>(random.Index(static_cast<std::uint32_t>(view.image.rows - patch + 1)));
-    const int channels = view.image.channels();
     for (int i = 0; i < patch * patch && rays->size() < kChunk; ++i) {
-      const int x = x0 + i % patch;
-      const int y = y0 + i / patch;
-      const Pixel& d = (*directions_of_[v])[static_cast<std::size_t>(y) *
-                                                static_cast<std::size_t>(view.image.cols) +
-                                            static_cast<std::size_t>(x)];
-      const Eigen::Vector3d direction_C(
-          static_cast<double>(d.x), static_cast<double>(d.y), static_cast<double>(d.z));
-      rays->push_back(MakeRay(field, view.T_N_C.t, R_N_C_[v] * direction_C, random.Uniform()));
-      RayTarget target;
-      target.view = v;
-      const std::uint8_t* pixel = view.image.ptr(y) + static_cast<std::ptrdiff_t>(x) * channels;
-      for (int c = 0; c < channels; ++c) {
-        target.color[static_cast<std::size_t>(c)] = static_cast<float>(pixel[c]) / 255;
-      }
-      targets->push_back(target);
+      AddRay(field, images, v, x0 + i % patch, y0 + i / patch, random.Uniform(), rays, targets);
     }
   }
 }

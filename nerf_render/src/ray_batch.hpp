@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include "image_parameters.hpp"
 #include "ray_loss.hpp"
 
 namespace deja_view::nerf::internal {
@@ -15,10 +16,13 @@ class RayBatch {
 
   RayBatch(const TrainOptions& options, const std::vector<TrainingView>& views);
 
-  /// Chunk `chunk` of step `step`; the same for the same numbers.
+  /// Chunk `chunk` of step `step`, `depth_share` of it through depth points where there are any;
+  /// the same for the same numbers.
   void Draw(const RadianceField& field,
+            const ImageParameters& images,
             std::uint64_t step,
             std::size_t chunk,
+            float depth_share,
             std::vector<Ray>* rays,
             std::vector<RayTarget>* targets) const;
 
@@ -31,9 +35,17 @@ class RayBatch {
     std::uint32_t point;
   };
 
+  void AddRay(const RadianceField& field,
+              const ImageParameters& images,
+              std::uint32_t v,
+              int x,
+              int y,
+              float jitter,
+              std::vector<Ray>* rays,
+              std::vector<RayTarget>* targets) const;
+
   const TrainOptions& options_;
   const std::vector<TrainingView>& views_;
-  std::vector<Eigen::Matrix3d> R_N_C_;
   std::map<const Camera*, std::vector<Pixel>> directions_;  ///< unit rays in C, row by row
   std::vector<const std::vector<Pixel>*> directions_of_;    ///< per view
   std::vector<PointRef> points_;

@@ -56,7 +56,8 @@ float Huber(float error, float delta) {
   return size < delta ? 0.5F * error * error : delta * (size - 0.5F * delta);
 }
 
-// Colour loss of one ray; fills its rows of d_color_rows.
+// Colour loss of one ray; fills its rows of d_color_rows. Adds to *behind the background's weight
+// times the loss' derivative by it.
 void AddColor(const RadianceField& field,
               const Trace& trace,
               Span span,
@@ -65,22 +66,36 @@ void AddColor(const RadianceField& field,
               float delta,
               std::size_t ray,
               std::vector<float>* d_weight,
+              float* behind,
               LossGradient* gradient) {
   const auto channels = static_cast<std::size_t>(field.channels);
   const auto stride = static_cast<std::size_t>(field.color.output_stride());
+  const auto background_stride =
+      trace.background.empty() ? std::size_t{0}
+                               : static_cast<std::size_t>(field.background_color.output_stride());
   const float share = 1.0F / static_cast<float>(channels);
+  const float gain = exposure.gain * target.vignetting;
   for (std::size_t c = 0; c < channels; ++c) {
     float radiance = 0;
     for (std::size_t s = span.begin; s < span.end; ++s) {
       radiance += trace.weight[s] * trace.color[s * channels + c];
     }
-    const float error = exposure.gain * radiance + exposure.bias - target.color[c];
+    const bool has_background = !trace.background.empty();
+    const float background = has_background ? trace.background[ray * channels + c] : 0.0F;
+    radiance += trace.transmittance[ray] * background;
+    const float error = gain * radiance + exposure.bias - target.color[c];
     gradient->squared_error += static_cast<double>(error * error);
     gradient->loss += static_cast<double>(share * Huber(error, delta));
     const float d_observed = share * std::clamp(error, -delta, delta);
-    gradient->d_exposure[ray].gain += d_observed * radiance;
+    gradient->d_exposure[ray].gain += d_observed * target.vignetting * radiance;
     gradient->d_exposure[ray].bias += d_observed;
-    const float d_radiance = d_observed * exposure.gain;
+    const float d_radiance = d_observed * gain;
+    if (has_background) {
+      const float passed = d_radiance * trace.transmittance[ray];
+      *behind += passed * background;
+      gradient->d_background_rows[ray * background_stride + c] =
+          passed * background * (1 - background);
+    }
     for (std::size_t s = span.begin; s < span.end; ++s) {
       const float color = trace.color[s * channels + c];
       (*d_weight)[s] += d_radiance * color;
@@ -102,6 +117,11 @@ void ComputeLoss(const RadianceField& field,
   gradient->d_raw.resize(count);
   gradient->d_color_rows.assign(count * static_cast<std::size_t>(field.color.output_stride()),
                                 0.0F);
+  gradient->d_background_rows.assign(
+      trace.background.empty()
+          ? 0
+          : targets.size() * static_cast<std::size_t>(field.background_color.output_stride()),
+      0.0F);
   gradient->d_exposure.assign(targets.size(), {0, 0});
   gradient->loss = 0;
   gradient->squared_error = 0;
@@ -109,21 +129,21 @@ void ComputeLoss(const RadianceField& field,
   std::vector<float> d_weight(count, 0.0F);
   for (std::size_t r = 0; r < targets.size(); ++r) {
     const Span span{trace.ray_begin[r], trace.ray_begin[r + 1]};
-    if (targets[r].is_depth) {
-      AddDepth(trace, span, targets[r].range, options.depth_weight, &gradient->loss, &d_weight);
-    } else {
-      AddColor(field,
-               trace,
-               span,
-               targets[r],
-               exposures[targets[r].view],
-               options.huber_delta,
-               r,
-               &d_weight,
-               gradient);
-    }
-    AddDistortion(trace, span, options.distortion_weight, &gradient->loss, &d_weight);
     float behind = 0;
+    if (targets[r].range > 0) {
+      AddDepth(trace, span, targets[r].range, options.depth_weight, &gradient->loss, &d_weight);
+    }
+    AddColor(field,
+             trace,
+             span,
+             targets[r],
+             exposures[targets[r].view],
+             options.huber_delta,
+             r,
+             &d_weight,
+             &behind,
+             gradient);
+    AddDistortion(trace, span, options.distortion_weight, &gradient->loss, &d_weight);
     for (std::size_t s = span.end; s-- > span.begin;) {
       const float d_sigma = trace.dt[s] * (trace.after[s] * d_weight[s] - behind);
       gradient->d_raw[s] = d_sigma * trace.sigma[s];

@@ -7,7 +7,7 @@
 namespace deja_view::nerf::internal {
 namespace {
 
-constexpr int kSamplesPerRound = 8;
+constexpr int kSamplesPerRound = 4;
 constexpr float kNudge = 1e-6F;  ///< beyond a face, in unit lengths
 
 // Length to where the ray leaves the cube [low, low + size] of cells.
@@ -24,6 +24,11 @@ float ExitOf(const Ray& ray, const std::array<int, 3>& low, int size, float cell
 }
 
 }  // namespace
+
+std::size_t LatentColumn(const RadianceField& field) {
+  const int degree = field.options.direction_degree;
+  return static_cast<std::size_t>(field.appearance.outputs() + (degree + 1) * (degree + 1) - 1);
+}
 
 Ray MakeRay(const RadianceField& field,
             const Eigen::Vector3d& origin_N,
@@ -214,6 +219,16 @@ void RayTracer::EvaluateColor(const std::vector<Ray>& rays, Trace* trace) {
                       trace->appearance_rows.data() + s * stride + column);
     }
   }
+  if (field_.options.latent_size > 0) {
+    const auto column = LatentColumn(field_);
+    for (std::size_t s = 0; s < count; ++s) {
+      if (const float* latent = rays[trace->ray[s]].latent) {
+        std::copy_n(latent,
+                    field_.options.latent_size,
+                    trace->appearance_rows.data() + s * stride + column);
+      }
+    }
+  }
   const float* out = field_.color.Forward(
       kernels_, trace->appearance_rows.data(), count, &trace->color_activations);
   const auto out_stride = static_cast<std::size_t>(field_.color.output_stride());
@@ -224,6 +239,31 @@ void RayTracer::EvaluateColor(const std::vector<Ray>& rays, Trace* trace) {
     }
   }
   kernels_.sigmoid(trace->color.data(), count * channels, trace->color.data());
+}
+
+void RayTracer::EvaluateBackground(const std::vector<Ray>& rays, Trace* trace) {
+  const std::size_t count = rays.size();
+  const auto stride = static_cast<std::size_t>(field_.background_color.row_stride());
+  const auto channels = static_cast<std::size_t>(field_.channels);
+  for (auto* values : {&trace->background_x, &trace->background_y, &trace->background_z}) {
+    values->resize(count);
+  }
+  for (std::size_t r = 0; r < count; ++r) {
+    trace->background_x[r] = 0.5F * (rays[r].direction[0] + 1);
+    trace->background_y[r] = 0.5F * (rays[r].direction[1] + 1);
+    trace->background_z[r] = 0.5F * (rays[r].direction[2] + 1);
+  }
+  trace->background_rows.resize(count * stride);
+  field_.background.Forward(
+      kernels_, trace->background_positions(), count, stride, trace->background_rows.data());
+  const float* out = field_.background_color.Forward(
+      kernels_, trace->background_rows.data(), count, &trace->background_activations);
+  const auto out_stride = static_cast<std::size_t>(field_.background_color.output_stride());
+  trace->background.resize(count * channels);
+  for (std::size_t r = 0; r < count; ++r) {
+    std::copy_n(out + r * out_stride, channels, trace->background.data() + r * channels);
+  }
+  kernels_.sigmoid(trace->background.data(), count * channels, trace->background.data());
 }
 
 void RayTracer::Run(const std::vector<Ray>& rays, const TraceOptions& options, Trace* trace) {
@@ -271,6 +311,9 @@ void RayTracer::Run(const std::vector<Ray>& rays, const TraceOptions& options, T
   trace->transmittance.resize(rays.size());
   for (std::size_t r = 0; r < rays.size(); ++r) {
     trace->transmittance[r] = states[r].transmittance;
+  }
+  if (field_.options.far_background) {
+    EvaluateBackground(rays, trace);
   }
 }
 

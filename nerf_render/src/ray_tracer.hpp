@@ -15,10 +15,14 @@ namespace deja_view::nerf::internal {
 struct Ray {
   std::array<float, 3> origin;
   std::array<float, 3> direction;
-  float begin = 0;      ///< where it enters the box
-  float end = 0;        ///< where it leaves it; <= begin: it misses
-  float jitter = 0.5F;  ///< place of the samples within their steps, in [0, 1)
+  float begin = 0;                ///< where it enters the box
+  float end = 0;                  ///< where it leaves it; <= begin: it misses
+  float jitter = 0.5F;            ///< place of the samples within their steps, in [0, 1)
+  const float* latent = nullptr;  ///< of its image; null: zeros
 };
+
+/// Column of the colour network's input where the latent numbers begin.
+std::size_t LatentColumn(const RadianceField& field);
 
 /// The ray of `origin_N` [m] and unit vector `direction_N` through the box of `field`.
 Ray MakeRay(const RadianceField& field,
@@ -39,11 +43,18 @@ struct Trace {
   std::vector<float> appearance_rows;  ///< n x color.row_stride()
   std::vector<float> color;            ///< n x channels
   std::vector<float> transmittance;    ///< per ray, behind its last sample
-  std::size_t evaluated = 0;           ///< samples whose density was asked for
+  std::vector<float> background;       ///< rays x channels; empty without far_background
+  std::vector<float> background_x, background_y, background_z;  ///< per ray, where it is looked up
+  std::vector<float> background_rows;  ///< rays x background_color.row_stride()
+  Network::Activations background_activations;
+  std::size_t evaluated = 0;  ///< samples whose density was asked for
   Network::Activations color_activations;
 
   std::size_t size() const { return t.size(); }
   Positions positions() const { return {x.data(), y.data(), z.data()}; }
+  Positions background_positions() const {
+    return {background_x.data(), background_y.data(), background_z.data()};
+  }
 };
 
 /// How a field is sampled in one pass.
@@ -80,6 +91,7 @@ class RayTracer {
   void EvaluateDensity();
   void Composite(const TraceOptions& options, std::vector<State>* states);
   void SortByRay(std::size_t rays, Trace* trace);
+  void EvaluateBackground(const std::vector<Ray>& rays, Trace* trace);
   void EvaluateColor(const std::vector<Ray>& rays, Trace* trace);
 
   const RadianceField& field_;

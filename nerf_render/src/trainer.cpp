@@ -4,6 +4,7 @@
 #include "deja_view/base/parallel.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -12,6 +13,7 @@
 
 #include "backward.hpp"
 #include "grid_optimizer.hpp"
+#include "image_parameters.hpp"
 #include "occupancy_update.hpp"
 #include "ray_batch.hpp"
 
@@ -19,11 +21,13 @@ namespace deja_view::nerf {
 namespace {
 
 using internal::ChunkGradient;
-using internal::GainBias;
+using internal::DenseAdam;
+using internal::ImageGradient;
 using internal::RayBatch;
 
 constexpr double kWantedSamples = 28;  ///< per ray, at most, where coarser steps can bring it about
 constexpr double kMaxStepFactor = 8;
+constexpr double kOutlierShare = 2e-3;  ///< of the depth points, at either end of an axis
 
 void CheckViews(const std::vector<TrainingView>& views) {
   if (views.empty()) {
@@ -66,16 +70,9 @@ struct Worker {
 
 /// What a chunk leaves for the sums over all chunks, which are made in order.
 struct ChunkResult {
-  std::vector<internal::RayTarget> targets;
-  std::vector<GainBias> d_exposure;
   std::size_t samples = 0;
   double squared_error = 0;
   std::size_t color_values = 0;
-};
-
-struct DenseAdam {
-  explicit DenseAdam(std::size_t size) : gradient(size), first(size), second(size) {}
-  std::vector<float> gradient, first, second;
 };
 
 }  // namespace
@@ -84,16 +81,30 @@ SceneBox BoxAround(const std::vector<TrainingView>& views, double margin) {
   SceneBox box;
   box.min.setConstant(std::numeric_limits<double>::max());
   box.max.setConstant(std::numeric_limits<double>::lowest());
-  const auto add = [&](const Eigen::Vector3d& p_N) {
-    box.min = box.min.cwiseMin(p_N);
-    box.max = box.max.cwiseMax(p_N);
-  };
+  std::array<std::vector<double>, 3> points;
   for (const TrainingView& view : views) {
-    add(view.T_N_C.t);
+    box.min = box.min.cwiseMin(view.T_N_C.t);
+    box.max = box.max.cwiseMax(view.T_N_C.t);
     for (const DepthPoint& point : view.points) {
-      add(view.T_N_C *
-          (static_cast<double>(point.range) * view.camera->Unproject({point.u, point.v})));
+      const Eigen::Vector3d p_N = view.T_N_C * (static_cast<double>(point.range) *
+                                                view.camera->Unproject({point.u, point.v}));
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        points[axis].push_back(p_N[static_cast<Eigen::Index>(axis)]);
+      }
     }
+  }
+  for (std::size_t axis = 0; axis < 3 && !points[axis].empty(); ++axis) {
+    std::vector<double>& values = points[axis];
+    const auto i = static_cast<Eigen::Index>(axis);
+    const auto outliers = static_cast<std::ptrdiff_t>(
+        std::min(std::ceil(kOutlierShare * static_cast<double>(values.size())),
+                 0.1 * static_cast<double>(values.size())));
+    const auto low = values.begin() + outliers;
+    const auto high = values.end() - 1 - outliers;
+    std::nth_element(values.begin(), low, values.end());
+    box.min[i] = std::min(box.min[i], *low);
+    std::nth_element(values.begin(), high, values.end());
+    box.max[i] = std::max(box.max[i], *high);
   }
   const double diagonal = views.empty() ? 0 : (box.max - box.min).norm();
   if (!(diagonal > 1e-6) || !std::isfinite(diagonal)) {
@@ -107,22 +118,25 @@ SceneBox BoxAround(const std::vector<TrainingView>& views, double margin) {
 
 class Trainer::Impl {
  public:
-  Impl(const TrainOptions& options, std::vector<TrainingView> views, const SceneBox& box)
+  Impl(const TrainOptions& options, std::vector<TrainingView> views, RadianceField field)
       : options_(options),
         views_(std::move(views)),
         kernels_(FindKernels(options.kernels)),
-        field_(options.field, options.march, box, views_.front().image.channels(), options.seed),
+        field_(std::move(field)),
         batch_(options_, views_),
-        occupancy_(views_, options.threads, &field_),
+        occupancy_(views_, options.threads, options.carve_votes, &field_),
         geometry_(field_.geometry),
         appearance_(field_.appearance),
         density_(field_.density.parameters().size()),
         color_(field_.color.parameters().size()),
-        exposure_(32 * ((views_.size() + 15) / 16)),
-        log_exposure_(exposure_.first.size(), 0.0F),
-        gain_bias_(views_.size()) {
-    for (const TrainingView& view : views_) {
-      field_.exposures.push_back({view.name, view.stamp_ns, 1.0F, 0.0F});
+        background_(field_.background),
+        background_color_(field_.background_color.parameters().size()),
+        image_parameters_(options_, views_, &field_) {
+    if (field_.progress > 0) {
+      // What was learnt tells where matter is; there is nothing to warm up.
+      step_ = static_cast<std::uint64_t>(options_.warmup_steps);
+      step_factor_ = std::max(1.0F, field_.march.min_step / options_.march.min_step);
+      occupancy_.Run(kernels_, options_, step_, true, &field_);
     }
   }
 
@@ -130,14 +144,18 @@ class Trainer::Impl {
     const std::size_t chunks = std::max<std::size_t>(1, rays_ / RayBatch::kChunk);
     gradients_.resize(chunks);
     results_.resize(chunks);
+    images_.resize(chunks);
     const internal::TraceOptions trace_options{options_.march, step_factor_};
+    const float depth_share =
+        options_.depth_share + static_cast<float>(std::clamp(progress, 0.0, 1.0)) *
+                                   (options_.final_depth_share - options_.depth_share);
     ParallelFor(
         options_.threads,
         chunks,
         [&](std::size_t begin, std::size_t end) {
           std::unique_ptr<Worker> worker = TakeWorker();
           for (std::size_t c = begin; c < end; ++c) {
-            RunChunk(c, trace_options, worker.get());
+            RunChunk(c, trace_options, depth_share, worker.get());
           }
           const std::lock_guard<std::mutex> lock(mutex_);
           workers_.push_back(std::move(worker));
@@ -152,9 +170,8 @@ class Trainer::Impl {
         static_cast<float>(std::pow(static_cast<double>(options_.final_learning_rate), decay));
     UpdateGrids(rate);
     UpdateNetworks(rate);
-    if (options_.exposure) {
-      UpdateExposures(rate);
-    }
+    image_parameters_.Update(kernels_, images_, rate, progress, &field_);
+    field_.progress = static_cast<float>(std::clamp(progress, 0.0, 1.0));
     const StepReport report = Report();
     AdaptRays(report);
     ++step_;
@@ -169,6 +186,13 @@ class Trainer::Impl {
   }
 
   RadianceField& field() { return field_; }
+  std::vector<Rigid3> Poses() const {
+    std::vector<Rigid3> poses;
+    for (std::size_t v = 0; v < views_.size(); ++v) {
+      poses.push_back(image_parameters_.T_N_C(v));
+    }
+    return poses;
+  }
 
  private:
   std::unique_ptr<Worker> TakeWorker() {
@@ -181,17 +205,30 @@ class Trainer::Impl {
     return worker;
   }
 
-  void RunChunk(std::size_t c, const internal::TraceOptions& trace_options, Worker* worker) {
+  void RunChunk(std::size_t c,
+                const internal::TraceOptions& trace_options,
+                float depth_share,
+                Worker* worker) {
     ChunkResult& result = results_[c];
-    batch_.Draw(field_, step_, c, &worker->rays, &result.targets);
+    ImageGradient& images = images_[c];
+    batch_.Draw(field_, image_parameters_, step_, c, depth_share, &worker->rays, &images.targets);
     worker->tracer.Run(worker->rays, trace_options, &worker->trace);
     const internal::LossOptions loss_options{
         options_.huber_delta, options_.depth_weight, options_.distortion_weight};
-    internal::ComputeLoss(
-        field_, worker->trace, result.targets, gain_bias_, loss_options, &worker->loss);
+    internal::ComputeLoss(field_,
+                          worker->trace,
+                          images.targets,
+                          image_parameters_.gain_bias(),
+                          loss_options,
+                          &worker->loss);
     internal::Backpropagate(
         field_, kernels_, worker->loss, &worker->trace, &worker->scratch, &gradients_[c]);
-    result.d_exposure = worker->loss.d_exposure;
+    images.d_exposure = worker->loss.d_exposure;
+    images.d_latent = gradients_[c].latent;
+    if (options_.refine_poses) {
+      internal::ComputePoseGradients(
+          field_, worker->rays, worker->trace, gradients_[c], &images.d_pose);
+    }
     result.samples = worker->trace.evaluated;
     result.squared_error = worker->loss.squared_error;
     result.color_values = worker->loss.color_values;
@@ -205,28 +242,30 @@ class Trainer::Impl {
 
   void UpdateGrids(float rate) {
     const AdamStep step = MakeStep(rate * options_.grid_learning_rate);
-    const std::size_t fine = appearance_.levels();
+    struct Job {
+      internal::GridOptimizer* optimizer;
+      internal::GridGradient ChunkGradient::*part;
+      FeatureGrid* grid;
+      std::size_t level;
+    };
+    std::vector<Job> jobs;
+    const auto add = [&](internal::GridOptimizer* optimizer,
+                         internal::GridGradient ChunkGradient::*part,
+                         FeatureGrid* grid) {
+      for (std::size_t level = optimizer->levels(); level-- > 0;) {
+        jobs.push_back({optimizer, part, grid, level});
+      }
+    };
     // The fine levels first: they take longest.
-    ParallelFor(
-        options_.threads, fine + geometry_.levels(), [&](std::size_t begin, std::size_t end) {
-          for (std::size_t i = begin; i < end; ++i) {
-            if (i < fine) {
-              appearance_.Update(fine - 1 - i,
-                                 gradients_,
-                                 &ChunkGradient::appearance_levels,
-                                 step,
-                                 kernels_,
-                                 &field_.appearance);
-            } else {
-              geometry_.Update(geometry_.levels() - 1 - (i - fine),
-                               gradients_,
-                               &ChunkGradient::geometry_levels,
-                               step,
-                               kernels_,
-                               &field_.geometry);
-            }
-          }
-        });
+    add(&appearance_, &ChunkGradient::appearance, &field_.appearance);
+    add(&geometry_, &ChunkGradient::geometry, &field_.geometry);
+    add(&background_, &ChunkGradient::background, &field_.background);
+    ParallelFor(options_.threads, jobs.size(), [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const Job& job = jobs[i];
+        job.optimizer->Update(job.level, gradients_, job.part, step, kernels_, job.grid);
+      }
+    });
   }
 
   void UpdateNetwork(std::vector<float> ChunkGradient::*part,
@@ -251,37 +290,9 @@ class Trainer::Impl {
     const AdamStep step = MakeStep(rate * options_.network_learning_rate);
     UpdateNetwork(&ChunkGradient::density_network, step, &density_, &field_.density);
     UpdateNetwork(&ChunkGradient::color_network, step, &color_, &field_.color);
-  }
-
-  // Parameters 2 i and 2 i + 1: logarithm of the gain, and bias, of view i. Their means are held at
-  // 0, since radiance and gain could trade places.
-  void UpdateExposures(float rate) {
-    for (const ChunkResult& result : results_) {
-      for (std::size_t r = 0; r < result.targets.size(); ++r) {
-        const std::size_t v = result.targets[r].view;
-        exposure_.gradient[2 * v] += result.d_exposure[r].gain * gain_bias_[v].gain;
-        exposure_.gradient[2 * v + 1] += result.d_exposure[r].bias;
-      }
-    }
-    kernels_.adam(MakeStep(rate * options_.exposure_learning_rate),
-                  log_exposure_.size(),
-                  log_exposure_.data(),
-                  exposure_.gradient.data(),
-                  exposure_.first.data(),
-                  exposure_.second.data());
-    double mean_gain = 0;
-    double mean_bias = 0;
-    for (std::size_t v = 0; v < views_.size(); ++v) {
-      mean_gain += static_cast<double>(log_exposure_[2 * v]);
-      mean_bias += static_cast<double>(log_exposure_[2 * v + 1]);
-    }
-    const auto count = static_cast<double>(views_.size());
-    for (std::size_t v = 0; v < views_.size(); ++v) {
-      log_exposure_[2 * v] -= static_cast<float>(mean_gain / count);
-      log_exposure_[2 * v + 1] -= static_cast<float>(mean_bias / count);
-      gain_bias_[v] = {std::exp(log_exposure_[2 * v]), log_exposure_[2 * v + 1]};
-      field_.exposures[v].gain = gain_bias_[v].gain;
-      field_.exposures[v].bias = gain_bias_[v].bias;
+    if (options_.field.far_background) {
+      UpdateNetwork(
+          &ChunkGradient::background_network, step, &background_color_, &field_.background_color);
     }
   }
 
@@ -290,9 +301,9 @@ class Trainer::Impl {
     double squared_error = 0;
     std::size_t values = 0;
     for (std::size_t c = 0; c < results_.size(); ++c) {
-      report.rays += results_[c].targets.size();
+      report.rays += images_[c].targets.size();
       report.samples += results_[c].samples;
-      report.weighted += gradients_[c].size();
+      report.weighted += gradients_[c].geometry.size();
       squared_error += results_[c].squared_error;
       values += results_[c].color_values;
     }
@@ -337,11 +348,12 @@ class Trainer::Impl {
   internal::GridOptimizer appearance_;
   DenseAdam density_;
   DenseAdam color_;
-  DenseAdam exposure_;
-  std::vector<float> log_exposure_;
-  std::vector<GainBias> gain_bias_;
+  internal::GridOptimizer background_;
+  DenseAdam background_color_;
+  internal::ImageParameters image_parameters_;
   std::vector<ChunkGradient> gradients_;
   std::vector<ChunkResult> results_;
+  std::vector<ImageGradient> images_;
   std::mutex mutex_;
   std::vector<std::unique_ptr<Worker>> workers_;  ///< idle; they keep their memory
   std::size_t rays_ = 512;
@@ -354,7 +366,24 @@ Trainer::Trainer(const TrainOptions& options,
                  const SceneBox& box) {
   DEJA_VIEW_CHECK(options.Validate().empty());
   CheckViews(views);
-  impl_ = std::make_unique<Impl>(options, std::move(views), box);
+  RadianceField field(
+      options.field, options.march, box, views.front().image.channels(), options.seed);
+  impl_ = std::make_unique<Impl>(options, std::move(views), std::move(field));
+}
+
+Trainer::Trainer(const TrainOptions& options,
+                 std::vector<TrainingView> views,
+                 RadianceField field) {
+  DEJA_VIEW_CHECK(options.Validate().empty());
+  CheckViews(views);
+  if (views.front().image.channels() != field.channels) {
+    ThrowInputError("training: the images have {} channels, the model to go on with has {}",
+                    views.front().image.channels(),
+                    field.channels);
+  }
+  TrainOptions own = options;
+  own.field = field.options;
+  impl_ = std::make_unique<Impl>(own, std::move(views), std::move(field));
 }
 
 Trainer::~Trainer() = default;
@@ -367,6 +396,10 @@ StepReport Trainer::Step(double progress) {
 
 const RadianceField& Trainer::field() const {
   return impl_->field();
+}
+
+std::vector<Rigid3> Trainer::poses() const {
+  return impl_->Poses();
 }
 
 RadianceField Trainer::TakeField() && {

@@ -61,7 +61,7 @@ Command Reporting(std::shared_ptr<std::string> json_file, Run run) {
       WriteFileAtomically(*json_file, [&](std::ostream& out) { out << json.dump(2) << "\n"; });
     }
     PrintJson(json);
-    return 0;
+    return json.value("interrupted", false) ? 130 : 0;
   };
 }
 
@@ -88,15 +88,29 @@ void AddTrain(CLI::App* nerf, Command* command) {
   sub->add_option("--box", request->box, "The scene: min x y z, max x y z [m]")->expected(6);
   sub->add_option("--margin",
                   request->margin,
-                  "Without --box: room about the cameras' box, times its diagonal")
-      ->check(CLI::Range(0.01, 100.0))
-      ->capture_default_str();
+                  "Without --box: room about the cameras and points, times their box's diagonal; "
+                  "default: 0.05, without points 0.6")
+      ->check(CLI::Range(0.01, 100.0));
+  sub->add_flag_callback(
+      "--no-sparse-points",
+      [request] { request->sparse_points = false; },
+      "Don't look for points that images share");
   sub->add_flag("--color", request->input.color, "Train three channels");
   sub->add_option("--budget-s", request->budget_s, "Wall time [s]")
       ->check(CLI::Range(5.0, 1e7))
       ->capture_default_str();
   sub->add_option("--steps", request->steps, "Train this many steps, whatever the time; repeatable")
       ->check(CLI::NonNegativeNumber);
+  sub->add_option("--checkpoint-s",
+                  request->checkpoint_s,
+                  "Write the model every so often on the way [s]; 0: only at the end and at Ctrl-C")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  sub->add_option("--resume", request->resume, "Go on with a model whose training was cut short")
+      ->check(CLI::ExistingFile);
+  sub->add_option("--refined-poses",
+                  request->refined_poses,
+                  "File for the poses; they are corrected with --set refine_poses=true");
   sub->add_option("--out", request->out, "Model file")->required();
   sub->callback(
       [=] { *command = Reporting(json_file, [request] { return RunNerfTrain(*request); }); });

@@ -15,10 +15,14 @@ struct NerfTrainRequest {
   std::filesystem::path config;        ///< nerf::TrainOptions
   std::vector<std::string> overrides;  ///< "group.key=value" on top
   std::vector<double> box;             ///< min x y z, max x y z [m]; empty: about the cameras
-  double margin = 0.6;                 ///< of that box
+  std::optional<double> margin;        ///< of that box; nothing: by whether there are points
+  bool sparse_points = true;           ///< find points that images share
   double budget_s = 600;               ///< wall time from the start to the model file
   int steps = 0;                       ///< 0: as many as the budget allows
   int threads = 0;
+  double checkpoint_s = 60;             ///< wall time between models written on the way; 0: none
+  std::filesystem::path resume;         ///< a model to go on with; empty: a new one
+  std::filesystem::path refined_poses;  ///< for poses as corrected; empty: not written
   std::filesystem::path out;
   bool show_progress = true;
 };
@@ -49,9 +53,9 @@ struct NerfRenderRequest {
 };
 
 /// Trains a field and writes it; the schedule follows the clock unless `steps` is given, so that
-/// only then two runs give the same model. Ctrl-C leaves the model as it is. Returns `steps, rays,
-/// samples, psnr_db (over the last training rays), train_wall_s, rays_per_s, samples_per_s,
-/// peak_rss_mb`.
+/// only then two runs give the same model. Ctrl-C leaves the model as it is, for `resume`. Returns
+/// `steps, rays, samples, psnr_db (over the last training rays), train_wall_s, depth_points,
+/// rays_per_s, samples_per_s, interrupted, peak_rss_mb`.
 nlohmann::ordered_json RunNerfTrain(const NerfTrainRequest& request);
 
 /// Renders held-out views; returns `psnr_db, ssim, corner_match_rate, views, render_ms_median,

@@ -9,9 +9,10 @@ namespace deja_view {
 
 /// How one virtual view is rendered.
 struct ViewRenderOptions {
-  float gain = 1.0F;  ///< exposure: displayed = gain * radiance + bias
-  float bias = 0.0F;  ///< in units of white
-  int threads = 0;    ///< 0: all cores; the result does not depend on it
+  float gain = 1.0F;       ///< exposure: displayed = gain * radiance + bias
+  float bias = 0.0F;       ///< in units of white
+  int threads = 0;         ///< 0: all cores; the result does not depend on it
+  bool vignetting = true;  ///< darken the border as the lens of the known images does
 };
 
 /// A rendered view, height x width.

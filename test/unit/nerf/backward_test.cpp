@@ -1,11 +1,13 @@
 #include "backward.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 
 #include "closed_form.hpp"
 #include "grid_optimizer.hpp"
+#include "pose_gradient.hpp"
 #include <gtest/gtest.h>
 
 namespace deja_view::nerf::internal {
@@ -15,10 +17,10 @@ namespace {
 class Scene {
  public:
   explicit Scene(int channels)
-      : field(SmallFieldOptions(), March(), ConstantField(1, 0.5F).box, channels, 7) {
+      : field(Options(), March(), ConstantField(1, 0.5F).box, channels, 7) {
     std::mt19937 rng(4);
     std::uniform_real_distribution<float> uniform(-1, 1);
-    for (FeatureGrid* grid : {&field.geometry, &field.appearance}) {
+    for (FeatureGrid* grid : {&field.geometry, &field.appearance, &field.background}) {
       for (std::size_t i = 0; i < grid->parameters().size(); ++i) {
         grid->parameters()[i] = uniform(rng);
       }
@@ -30,12 +32,21 @@ class Scene {
                                       static_cast<double>(uniform(rng)));
       rays.push_back(MakeRay(field, {0.4, 0.3, 0.1}, direction.normalized(), 0.4F));
       RayTarget target;
-      target.is_depth = i == 5;
       target.color = {0.2F, 0.9F, 0.4F};
-      target.range = 0.2F;
+      target.range = i >= 4 ? 0.2F : 0.0F;
+      target.vignetting = 0.8F;
+      rays.back().latent = latent.data();
       targets.push_back(target);
     }
     loss_options = {0.2F, 0.3F, 0.5F};
+  }
+
+  static FieldOptions Options() {
+    FieldOptions options = SmallFieldOptions();
+    options.far_background = true;
+    options.background = {2, 4, 9, 4, 8};
+    options.latent_size = 3;
+    return options;
   }
 
   static MarchOptions March() {
@@ -79,6 +90,7 @@ class Scene {
   }
 
   RadianceField field;
+  std::array<float, 3> latent = {0.3F, -0.2F, 0.5F};
   std::vector<Ray> rays;
   std::vector<RayTarget> targets;
   std::vector<GainBias> exposures = {{1.2F, -0.05F}};
@@ -111,16 +123,16 @@ TEST_P(BackwardTest, NetworkGradientsAgreeWithDifferences) {
 TEST_P(BackwardTest, GridGradientsAgreeWithDifferences) {
   Scene scene(GetParam());
   const ChunkGradient gradient = scene.Gradient();
-  const auto check = [&](FeatureGrid* grid, const std::vector<std::vector<float>>& levels) {
-    for (std::size_t l = 0; l < levels.size(); ++l) {
+  const auto check = [&](FeatureGrid* grid, const GridGradient& samples) {
+    for (std::size_t l = 0; l < samples.levels.size(); ++l) {
       const GridLevel& level = grid->levels()[l];
       std::vector<float> sums(
           std::size_t{8} * level.bricks * static_cast<std::size_t>(level.features), 0.0F);
       std::vector<std::uint8_t> touched(level.bricks, 0);
       PortableKernels().grid_backward(level,
-                                      gradient.positions(),
-                                      gradient.size(),
-                                      levels[l].data(),
+                                      samples.positions(),
+                                      samples.size(),
+                                      samples.levels[l].data(),
                                       sums.data(),
                                       touched.data());
       float largest = 0;
@@ -139,8 +151,9 @@ TEST_P(BackwardTest, GridGradientsAgreeWithDifferences) {
       EXPECT_GT(checked, 0) << "level " << l;
     }
   };
-  check(&scene.field.geometry, gradient.geometry_levels);
-  check(&scene.field.appearance, gradient.appearance_levels);
+  check(&scene.field.geometry, gradient.geometry);
+  check(&scene.field.appearance, gradient.appearance);
+  check(&scene.field.background, gradient.background);
 }
 
 TEST_P(BackwardTest, ExposureGradientsAgreeWithDifferences) {
@@ -156,6 +169,86 @@ TEST_P(BackwardTest, ExposureGradientsAgreeWithDifferences) {
   }
   ExpectClose(gain, scene.Difference(&scene.exposures[0].gain, 1e-3F));
   ExpectClose(bias, scene.Difference(&scene.exposures[0].bias, 1e-3F));
+}
+
+TEST_P(BackwardTest, BackgroundNetworkGradientsAgreeWithDifferences) {
+  Scene scene(GetParam());
+  const ChunkGradient gradient = scene.Gradient();
+  int checked = 0;
+  for (std::size_t i = 0; i < gradient.background_network.size(); i += 7) {
+    if (std::abs(gradient.background_network[i]) > 1e-3F) {
+      ExpectClose(static_cast<double>(gradient.background_network[i]),
+                  scene.Difference(&scene.field.background_color.parameters()[i], 3e-3F));
+      ++checked;
+    }
+  }
+  EXPECT_GT(checked, 3);
+}
+
+TEST_P(BackwardTest, LatentGradientsAgreeWithDifferences) {
+  Scene scene(GetParam());
+  const ChunkGradient gradient = scene.Gradient();
+  const std::size_t size = scene.latent.size();
+  ASSERT_EQ(gradient.latent.size(), scene.rays.size() * size);
+  for (std::size_t i = 0; i < size; ++i) {
+    double sum = 0;
+    for (std::size_t r = 0; r < scene.rays.size(); ++r) {
+      sum += static_cast<double>(gradient.latent[r * size + i]);
+    }
+    EXPECT_GT(std::abs(sum), 1e-4);
+    ExpectClose(sum, scene.Difference(&scene.latent[i], 3e-3F));
+  }
+}
+
+TEST_P(BackwardTest, PoseGradientsAgreeWithDifferences) {
+  Scene scene(GetParam());
+  Trace trace;
+  LossGradient loss;
+  scene.Evaluate(&trace, &loss);
+  BackwardScratch scratch;
+  ChunkGradient gradient;
+  Backpropagate(scene.field, PortableKernels(), loss, &trace, &scratch, &gradient);
+  std::vector<PoseGradient> poses;
+  ComputePoseGradients(scene.field, scene.rays, trace, gradient, &poses);
+  ASSERT_EQ(poses.size(), scene.rays.size());
+  const std::vector<Ray> rays = scene.rays;
+  const auto loss_at = [&](std::size_t i, float step) {
+    for (std::size_t r = 0; r < rays.size(); ++r) {
+      if (i < 3) {
+        scene.rays[r].origin[i] = rays[r].origin[i] + step;
+      } else {
+        const Eigen::Vector3d d(static_cast<double>(rays[r].direction[0]),
+                                static_cast<double>(rays[r].direction[1]),
+                                static_cast<double>(rays[r].direction[2]));
+        const Eigen::Vector3d axis = Eigen::Vector3d::Unit(static_cast<Eigen::Index>(i) - 3);
+        const Eigen::Vector3d turned = ExpSo3(static_cast<double>(step) * axis) * d;
+        for (std::size_t k = 0; k < 3; ++k) {
+          scene.rays[r].direction[k] = static_cast<float>(turned[static_cast<Eigen::Index>(k)]);
+        }
+      }
+    }
+    const double value = scene.Loss();
+    scene.rays = rays;
+    return value;
+  };
+  // The far background's direction is not part of the gradient.
+  for (float& value : scene.field.background_color.parameters()) {
+    value = 0;
+  }
+  scene.Evaluate(&trace, &loss);
+  Backpropagate(scene.field, PortableKernels(), loss, &trace, &scratch, &gradient);
+  ComputePoseGradients(scene.field, scene.rays, trace, gradient, &poses);
+  constexpr float kStep = 2e-4F;
+  for (std::size_t i = 0; i < 6; ++i) {
+    double sum = 0;
+    for (const PoseGradient& pose : poses) {
+      sum += static_cast<double>(pose[i]);
+    }
+    const double difference =
+        (loss_at(i, kStep) - loss_at(i, -kStep)) / (2 * static_cast<double>(kStep));
+    // Interpolation has kinks at the cells' faces, which some samples cross.
+    EXPECT_NEAR(sum, difference, 0.02 + 0.1 * std::abs(difference)) << "parameter " << i;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Channels, BackwardTest, testing::Values(1, 3));

@@ -26,7 +26,7 @@ class CheckpointTest : public testing::Test {
 
   fs::path WriteSample() const {
     RadianceField field = ConstantField(2, 0.3F, 3);
-    field.exposures = {{"one", 17, 1.5F, 0.1F}, {"two", 18, 0.5F, -0.1F}};
+    field.exposures = {{"one", 17, 1.5F, 0.1F, {}}, {"two", 18, 0.5F, -0.1F, {}}};
     field.occupancy.Set(5, false);
     field.geometry.parameters()[3] = 4.25F;
     WriteField(directory_ / "model", field);

@@ -75,7 +75,7 @@ TEST(FieldRenderer, ThreadsDoNotChangeABit) {
 
 TEST(FieldRenderer, ExposureLiesBetweenItsNeighbours) {
   auto field = std::make_shared<RadianceField>(ConstantField(1, 0.5F));
-  field->exposures = {{"b", 200, 2, 0.2F}, {"a", 100, 1, 0}, {"unknown", 0, 9, 9}};
+  field->exposures = {{"b", 200, 2, 0.2F, {}}, {"a", 100, 1, 0, {}}, {"unknown", 0, 9, 9, {}}};
   const FieldRenderer renderer(field);
   EXPECT_NEAR(renderer.ExposureAt(125).gain, 1.25F, 1e-6F);
   EXPECT_NEAR(renderer.ExposureAt(125).bias, 0.05F, 1e-6F);

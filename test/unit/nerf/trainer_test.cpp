@@ -209,5 +209,163 @@ TEST(BoxAround, HoldsCamerasAndPoints) {
   EXPECT_THROW(BoxAround(views, 0.1), InputError);
 }
 
+// Ranges of some pixels of each view, as a VIO would know them.
+void AddPoints(std::vector<TrainingView>* views) {
+  for (TrainingView& view : *views) {
+    for (int i = 0; i < 12; ++i) {
+      const Eigen::Vector2d pixel(4 + i * 37 % 40, 3 + i * 23 % 30);
+      const Eigen::Vector3d ray = view.T_N_C.q * view.camera->Unproject(pixel);
+      double t = std::numeric_limits<double>::max();
+      for (Eigen::Index axis = 0; axis < 3; ++axis) {
+        const double wall = ray[axis] > 0 ? kHalf : -kHalf;
+        t = std::min(t, (wall - view.T_N_C.t[axis]) / ray[axis]);
+      }
+      view.points.push_back(
+          {static_cast<float>(pixel.x()), static_cast<float>(pixel.y()), static_cast<float>(t)});
+    }
+  }
+}
+
+double MeanDepthError(const std::shared_ptr<const RadianceField>& field,
+                      const std::vector<TrainingView>& views) {
+  const FieldRenderer renderer(field);
+  double sum = 0;
+  int count = 0;
+  for (std::size_t v = 0; v < views.size(); v += 10) {
+    const RenderedView view = renderer.Render(*views[v].camera, views[v].T_N_C, {});
+    for (const DepthPoint& point : views[v].points) {
+      const float depth =
+          view.depth.at<float>(static_cast<int>(point.v), static_cast<int>(point.u));
+      sum += static_cast<double>(std::abs(depth - point.range) / point.range);
+      ++count;
+    }
+  }
+  return sum / count;
+}
+
+TEST(Trainer, DepthPointsFindTheWallsSooner) {
+  std::vector<TrainingView> views = MakeViews(60);
+  std::vector<TrainingView> with_points = views;
+  AddPoints(&with_points);
+  const auto train = [](const std::vector<TrainingView>& from) {
+    Trainer trainer(SmallOptions(), from, RoomBox());
+    for (int i = 0; i < 90; ++i) {
+      trainer.Step(i / 90.0);
+    }
+    return std::make_shared<const RadianceField>(std::move(trainer).TakeField());
+  };
+  const double without = MeanDepthError(train(views), with_points);
+  const auto field = train(with_points);
+  EXPECT_LT(MeanDepthError(field, with_points), 0.6 * without);
+  // The middle of the room has been seen through.
+  const auto middle = static_cast<int>(0.5F * field->occupancy.scale());
+  EXPECT_FALSE(field->occupancy.IsOccupied(field->occupancy.Index(middle, middle, middle)));
+}
+
+TEST(Trainer, FindsTheVignetting) {
+  constexpr double kFalloff = -1.2;
+  std::vector<TrainingView> views = MakeViews(80);
+  for (TrainingView& view : views) {
+    for (int y = 0; y < view.image.rows; ++y) {
+      for (int x = 0; x < view.image.cols; ++x) {
+        const double s = 1 - view.camera->Unproject({x, y}).z();
+        auto& pixel = view.image.at<std::uint8_t>(y, x);
+        pixel = static_cast<std::uint8_t>(pixel * std::exp(kFalloff * s));
+      }
+    }
+  }
+  TrainOptions options = SmallOptions();
+  options.exposure_learning_rate = 1e-2F;
+  options.target_samples = 1 << 15;
+  Trainer trainer(options, views, RoomBox());
+  for (int i = 0; i < 200; ++i) {
+    trainer.Step(i / 200.0);
+  }
+  const double s = 1 - SmallCamera()->Unproject({0, 0}).z();
+  const double at_corner =
+      static_cast<double>(trainer.field().vignetting.At(static_cast<float>(s)));
+  EXPECT_NEAR(at_corner, std::exp(kFalloff * s), 0.08);
+  options.vignetting = false;
+  Trainer without(options, views, RoomBox());
+  without.Step(0);
+  EXPECT_EQ(without.field().vignetting.At(0.5F), 1);
+}
+
+TEST(Trainer, GoesOnWithAFieldThatWasTrainedBefore) {
+  const TrainOptions options = SmallOptions();
+  Trainer first(options, MakeViews(40), RoomBox());
+  for (int i = 0; i < 120; ++i) {
+    first.Step(0.5 * i / 120.0);
+  }
+  RadianceField half = std::move(first).TakeField();
+  EXPECT_NEAR(half.progress, 0.5F, 0.01F);
+  const float gain = half.exposures[3].gain;
+  Trainer second(options, MakeViews(40), std::move(half));
+  EXPECT_EQ(second.field().exposures[3].gain, gain);
+  EXPECT_EQ(second.field().exposures.size(), std::size_t{40});
+  double early = 0;
+  for (int i = 0; i < 10; ++i) {
+    early += second.Step(0.5).psnr_db / 10;
+  }
+  // A new field starts at 14 dB.
+  EXPECT_GT(early, 19);
+  for (int i = 0; i < 100; ++i) {
+    second.Step(0.5 + 0.5 * i / 100.0);
+  }
+  double late = 0;
+  for (int i = 0; i < 10; ++i) {
+    late += second.Step(1).psnr_db / 10;
+  }
+  EXPECT_GT(late, early);
+  EXPECT_EQ(second.field().progress, 1);
+}
+
+TEST(Trainer, RefusesToGoOnWithOtherChannels) {
+  RadianceField field(SmallOptions().field, SmallOptions().march, RoomBox(), 3, 1);
+  EXPECT_THROW(Trainer(SmallOptions(), MakeViews(2), std::move(field)), InputError);
+}
+
+TEST(Trainer, CorrectsPoses) {
+  const std::vector<TrainingView> views = MakeViews(60);
+  std::vector<TrainingView> moved = views;
+  for (std::size_t v = 0; v < moved.size(); v += 6) {
+    moved[v].T_N_C.t += Eigen::Vector3d(0.06, -0.05, 0.04);
+  }
+  TrainOptions options = SmallOptions();
+  options.refine_poses = true;
+  options.pose_learning_rate = 1e-3F;
+  options.target_samples = 1 << 15;
+  AddPoints(&moved);
+  Trainer trainer(options, moved, RoomBox());
+  for (int i = 0; i < 800; ++i) {
+    trainer.Step(i / 800.0);
+  }
+  const std::vector<Rigid3> poses = trainer.poses();
+  double before = 0;
+  double after = 0;
+  double others = 0;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const double error = (poses[v].t - views[v].T_N_C.t).norm();
+    if (v % 6 == 0) {
+      before += (moved[v].T_N_C.t - views[v].T_N_C.t).norm() / 10;
+      after += error / 10;
+    } else {
+      others += error / 50;
+    }
+  }
+  // A pixel is 5 cm wide on the walls, so that little is to be had.
+  EXPECT_LT(after, 0.92 * before);
+  EXPECT_LT(others, 0.2 * before);
+}
+
+TEST(BoxAround, LeavesOutWildPoints) {
+  std::vector<TrainingView> views = MakeViews(40);
+  AddPoints(&views);
+  const SceneBox box = BoxAround(views, 0.01);
+  EXPECT_NEAR(box.max.x(), kHalf, 0.1);
+  views[7].points.push_back({20, 20, 1000});
+  EXPECT_NEAR(BoxAround(views, 0.01).Size(), box.Size(), 0.1);
+}
+
 }  // namespace
 }  // namespace deja_view::nerf

@@ -28,12 +28,15 @@ struct GridOptions {
 /// Shape of the field: density comes from a coarse grid that every sample reads, radiance from a
 /// fine one that only the few samples near a surface read.
 struct FieldOptions {
-  GridOptions geometry{8, 2, 19, 16, 512};
-  GridOptions appearance{6, 4, 19, 64, 2048};
-  int density_hidden = 16;         ///< units of the density network's hidden layer, 1 to 128
-  int color_hidden = 32;           ///< units per hidden layer of the colour network, 1 to 128
-  int color_hidden_layers = 1;     ///< 1 to 3
-  int direction_degree = 0;        ///< spherical harmonics up to this degree, 0 (none) to 4
+  GridOptions geometry{6, 2, 19, 16, 256};
+  GridOptions appearance{6, 4, 21, 64, 2048};
+  int density_hidden = 16;      ///< units of the density network's hidden layer, 1 to 128
+  int color_hidden = 32;        ///< units per hidden layer of the colour network, 1 to 128
+  int color_hidden_layers = 1;  ///< 1 to 3
+  int direction_degree = 0;     ///< spherical harmonics up to this degree, 0 (none) to 4
+  bool far_background = false;  ///< light from beyond the box, by direction alone
+  GridOptions background{4, 4, 15, 8, 64};  ///< over the sphere of directions
+  int latent_size = 0;             ///< numbers per image that the colour network may read, 0 to 32
   int occupancy_resolution = 224;  ///< cells along the longest side, 8 to 1024
 
   template <typename Visitor>
@@ -44,6 +47,9 @@ struct FieldOptions {
     v("color_hidden", color_hidden);
     v("color_hidden_layers", color_hidden_layers);
     v("direction_degree", direction_degree);
+    v("far_background", far_background);
+    v("background", background);
+    v("latent_size", latent_size);
     v("occupancy_resolution", occupancy_resolution);
   }
 
@@ -87,12 +93,19 @@ struct TrainOptions {
   float final_learning_rate = 0.05F;  ///< share of the learning rates that is left at the end
   float decay_start = 0.3F;           ///< share of the training after which they decay
   float huber_delta = 0.1F;           ///< [white]; errors above it count linearly
-  float depth_weight = 0.05F;         ///< of the loss on depth points
-  float depth_share = 0.1F;  ///< of the rays that go through depth points, where there are any
-  float distortion_weight = 3e-3F;  ///< of the loss that gathers a ray's weights in one place
-  bool exposure = true;             ///< fit a gain and a bias per image
-  int warmup_steps = 128;           ///< short steps before empty space is skipped
-  int occupancy_interval = 16;      ///< steps between updates of the occupancy grid
+  float depth_weight = 0.7F;          ///< of the loss on depth points
+  float depth_share = 0.4F;           ///< of the rays that go through depth points, at the start
+  float final_depth_share = 0.2F;     ///< and at the end
+  int carve_votes = 10;  ///< depth rays through a cell that make it empty for good; 0: never
+  float distortion_weight = 1e-3F;   ///< of the loss that gathers a ray's weights in one place
+  bool exposure = true;              ///< fit a gain and a bias per image
+  bool vignetting = true;            ///< fit how the lens darkens towards the border
+  bool refine_poses = false;         ///< correct the training cameras' poses
+  float pose_learning_rate = 1e-3F;  ///< [rad] and, times the box's longest side, [m]
+  int warmup_steps = 128;            ///< short steps before empty space is skipped
+  int occupancy_interval = 16;       ///< steps between updates of the occupancy grid
+  float occupancy_threshold =
+      0.01F;  ///< share of the light that a cell must take per shortest step
 
   template <typename Visitor>
   void Visit(Visitor& v) {
@@ -112,10 +125,16 @@ struct TrainOptions {
     v("huber_delta", huber_delta);
     v("depth_weight", depth_weight);
     v("depth_share", depth_share);
+    v("final_depth_share", final_depth_share);
+    v("carve_votes", carve_votes);
     v("distortion_weight", distortion_weight);
     v("exposure", exposure);
+    v("vignetting", vignetting);
+    v("refine_poses", refine_poses);
+    v("pose_learning_rate", pose_learning_rate);
     v("warmup_steps", warmup_steps);
     v("occupancy_interval", occupancy_interval);
+    v("occupancy_threshold", occupancy_threshold);
   }
 
   /// Violations, one line each.

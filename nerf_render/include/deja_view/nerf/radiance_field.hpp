@@ -6,6 +6,8 @@
 #include "deja_view/nerf/occupancy_grid.hpp"
 #include "deja_view/nerf/options.hpp"
 
+#include <array>
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -22,12 +24,21 @@ struct SceneBox {
   double Size() const { return (max - min).maxCoeff(); }  ///< longest side [m]
 };
 
-/// Exposure of one training image: observed = gain * radiance + bias.
+/// How the lens darkens towards the border: what is left of the light along a unit ray of the
+/// camera with s = 1 - its z is exp(k[0] s + k[1] s^2 + k[2] s^3).
+struct Vignetting {
+  std::array<float, 3> k = {0, 0, 0};
+
+  float At(float s) const { return std::exp(s * (k[0] + s * (k[1] + s * k[2]))); }
+};
+
+/// Exposure of one training image: observed = gain * vignetting * radiance + bias.
 struct Exposure {
   std::string image;          ///< its name
   std::int64_t stamp_ns = 0;  ///< 0: unknown
   float gain = 1;
   float bias = 0;
+  std::vector<float> latent;  ///< latent_size numbers; their mean over all images is 0
 };
 
 /// A trained scene. Unit coordinates: (p_N - box.min) / box.Size(). Densities are per unit length.
@@ -47,9 +58,13 @@ struct RadianceField {
   FeatureGrid geometry;
   FeatureGrid appearance;
   Network density;  ///< geometry features to the logarithm of density
-  Network color;    ///< appearance features and direction to radiance before the sigmoid
+  Network color;    ///< appearance features, direction, latent to radiance before the sigmoid
+  FeatureGrid background;    ///< at (direction + 1) / 2; empty without far_background
+  Network background_color;  ///< its features to radiance before the sigmoid
   OccupancyGrid occupancy;
   std::vector<Exposure> exposures;
+  Vignetting vignetting;  ///< of the training cameras
+  float progress = 0;     ///< share of its training that is done, 0 to 1
 
   Eigen::Vector3f Extent() const { return ((box.max - box.min) / box.Size()).cast<float>(); }
 };

@@ -29,8 +29,8 @@ struct TrainingView {
   std::vector<DepthPoint> points;
 };
 
-/// The box about the cameras and the depth points, `margin` times its own diagonal larger on every
-/// side. Throws InputError where all is in one place.
+/// The box about the cameras and all but the outermost of the depth points, `margin` times its own
+/// diagonal larger on every side. Throws InputError where all is in one place.
 SceneBox BoxAround(const std::vector<TrainingView>& views, double margin);
 
 /// What one training step did.
@@ -48,15 +48,22 @@ class Trainer {
   /// Throws CheckError for invalid options, InputError for views that can't be trained on (none,
   /// sizes that differ from their cameras', grey and colour mixed, poses that are not finite).
   Trainer(const TrainOptions& options, std::vector<TrainingView> views, const SceneBox& box);
+  /// Goes on with a field that was trained before, on the same images (known by their names) or
+  /// others of the same scene; options.field is not looked at. Adam's moments start anew. Throws
+  /// also when the images' channels are not the field's.
+  Trainer(const TrainOptions& options, std::vector<TrainingView> views, RadianceField field);
   ~Trainer();
   Trainer(Trainer&&) noexcept;
   Trainer& operator=(Trainer&&) noexcept;
 
-  /// One batch of rays. `progress`, from 0 to 1, sets the learning rates.
+  /// One batch of rays. `progress`, from 0 to 1, sets the learning rates and is kept in the field.
   StepReport Step(double progress);
 
   /// The field as it is now; it changes with the next Step.
   const RadianceField& field() const;
+
+  /// T_N_C of the views, as given or, with `refine_poses`, as corrected.
+  std::vector<Rigid3> poses() const;
 
   /// Hands the field over; the trainer is then of no more use.
   RadianceField TakeField() &&;
