@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/SVD>
+
 namespace deja_view {
 
 double RotationAngle(const Eigen::Quaterniond& q) {
@@ -26,6 +28,17 @@ Eigen::Vector3d LogSo3(const Eigen::Quaterniond& q) {
     return 2.0 * sign * q.vec();
   }
   return (2.0 * sign * std::atan2(norm, std::abs(q.w())) / norm) * q.vec();
+}
+
+std::optional<Eigen::Quaterniond> NearestRotation(const Eigen::Matrix3d& matrix, double tolerance) {
+  const Eigen::Matrix3d difference = matrix * matrix.transpose() - Eigen::Matrix3d::Identity();
+  if (!matrix.allFinite() || !(difference.cwiseAbs().maxCoeff() <= tolerance) ||
+      matrix.determinant() < 0) {
+    return std::nullopt;
+  }
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::Matrix3d nearest = svd.matrixU() * svd.matrixV().transpose();
+  return Eigen::Quaterniond(nearest).normalized();
 }
 
 Eigen::Matrix3d Skew(const Eigen::Vector3d& w) {

@@ -6,10 +6,10 @@
 #include "deja_view/camera/pinhole_camera.hpp"
 
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "yaml_file.hpp"
-#include <Eigen/SVD>
 
 namespace deja_view {
 namespace {
@@ -212,18 +212,16 @@ Eigen::Quaterniond ReadRotation(const std::filesystem::path& path, const Section
   const std::vector<double> values = root.GetMatrix("extrinsicRotation", 3, 3);
   const Eigen::Matrix3d R =
       Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values.data());
-  const double error = (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (error > 1e-3 || R.determinant() < 0) {
+  const std::optional<Eigen::Quaterniond> q = NearestRotation(R, 1e-3);
+  if (!q) {
     ThrowInputError(
         "{}: key 'extrinsicRotation': expected a rotation matrix, found |R R^T - I| = {:.3g} and "
         "determinant {:.3g}",
         path.string(),
-        error,
+        (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff(),
         R.determinant());
   }
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(R, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Matrix3d nearest = svd.matrixU() * svd.matrixV().transpose();
-  return Eigen::Quaterniond(nearest).normalized();
+  return *q;
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -48,6 +49,10 @@ double RotationAngle(const Eigen::Quaterniond& q);
 /// Rotation vector [rad] to quaternion and back (exponential and logarithm of SO(3)).
 Eigen::Quaterniond ExpSo3(const Eigen::Vector3d& rotation_vector);
 Eigen::Vector3d LogSo3(const Eigen::Quaterniond& q);
+
+/// The rotation nearest to a matrix (in the Frobenius norm), as read from a rounded file. Nothing
+/// for one that is not finite, mirrors, or whose |R R^T - I| has an entry above `tolerance`.
+std::optional<Eigen::Quaterniond> NearestRotation(const Eigen::Matrix3d& matrix, double tolerance);
 
 /// Matrix S with S * v = w x v.
 Eigen::Matrix3d Skew(const Eigen::Vector3d& w);

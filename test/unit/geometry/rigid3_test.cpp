@@ -74,5 +74,19 @@ TEST(Rigid3, SkewIsTheCrossProduct) {
   EXPECT_LT((Skew(w) * v - w.cross(v)).norm(), 1e-15);
 }
 
+TEST(NearestRotation, ProjectsRoundedMatricesAndRefusesOthers) {
+  const Eigen::Quaterniond q = ExpSo3({0.3, -0.7, 1.1});
+  Eigen::Matrix3d rounded = q.toRotationMatrix();
+  rounded(0, 1) += 4e-4;
+  const auto nearest = NearestRotation(rounded, 1e-3);
+  ASSERT_TRUE(nearest.has_value());
+  EXPECT_LT(RotationAngle(nearest->conjugate() * q), 4e-4);
+  EXPECT_FALSE(NearestRotation(rounded, 1e-4).has_value());
+  EXPECT_FALSE(NearestRotation(-Eigen::Matrix3d::Identity(), 1e-3).has_value());
+  EXPECT_FALSE(NearestRotation(2 * Eigen::Matrix3d::Identity(), 1e-3).has_value());
+  rounded(2, 2) = std::nan("");
+  EXPECT_FALSE(NearestRotation(rounded, 1e9).has_value());
+}
+
 }  // namespace
 }  // namespace deja_view
