@@ -15,6 +15,7 @@
 #include <sstream>
 #include <vector>
 
+#include "append_pose.hpp"
 #include "parse_number.hpp"
 
 namespace deja_view {
@@ -138,21 +139,8 @@ Trajectory ReadTum(const std::filesystem::path& path) {
                       number,
                       line.substr(0, 120));
     }
-    if (!(std::abs(pose->q.norm() - 1.0) < 1e-3)) {
-      ThrowInputError("{}:{}: expected a unit quaternion, found one of norm {:.6g}",
-                      path.string(),
-                      number,
-                      pose->q.norm());
-    }
-    if (!trajectory.empty() && *stamp <= trajectory.stamps_ns.back()) {
-      ThrowInputError("{}:{}: expected a stamp later than {}, found {}",
-                      path.string(),
-                      number,
-                      FormatSeconds(trajectory.stamps_ns.back()),
-                      words[0]);
-    }
-    trajectory.stamps_ns.push_back(*stamp);
-    trajectory.poses.push_back({pose->q.normalized(), pose->t});
+    const std::string where = fmt::format("{}:{}", path.string(), number);
+    internal::AppendPose(where, *stamp, *pose, &trajectory);
   }
   return trajectory;
 }
