@@ -21,19 +21,20 @@ constexpr std::uint32_t kMaxImageSide = 32768;
 
 struct Encoding {
   const char* name;
-  int type;        // OpenCV's; 16 bits as two bytes, as rows may start at odd addresses
-  int conversion;  // to grey, -1 for none
+  int type;     // OpenCV's; 16 bits as two bytes, as rows may start at odd addresses
+  int to_grey;  // -1 for none
+  int to_bgr;   // -1 for none
 };
 
 constexpr std::array<Encoding, 8> kEncodings = {{
-    {"mono8", CV_8UC1, -1},
-    {"8UC1", CV_8UC1, -1},
-    {"rgb8", CV_8UC3, cv::COLOR_RGB2GRAY},
-    {"bgr8", CV_8UC3, cv::COLOR_BGR2GRAY},
-    {"rgba8", CV_8UC4, cv::COLOR_RGBA2GRAY},
-    {"bgra8", CV_8UC4, cv::COLOR_BGRA2GRAY},
-    {"mono16", CV_8UC2, -1},
-    {"16UC1", CV_8UC2, -1},
+    {"mono8", CV_8UC1, -1, -1},
+    {"8UC1", CV_8UC1, -1, -1},
+    {"rgb8", CV_8UC3, cv::COLOR_RGB2GRAY, cv::COLOR_RGB2BGR},
+    {"bgr8", CV_8UC3, cv::COLOR_BGR2GRAY, -1},
+    {"rgba8", CV_8UC4, cv::COLOR_RGBA2GRAY, cv::COLOR_RGBA2BGR},
+    {"bgra8", CV_8UC4, cv::COLOR_BGRA2GRAY, cv::COLOR_BGRA2BGR},
+    {"mono16", CV_8UC2, -1, -1},
+    {"16UC1", CV_8UC2, -1, -1},
 }};
 
 const Encoding& FindEncoding(const std::string& name, const std::string& topic) {
@@ -90,7 +91,7 @@ cv::Mat Grey16(const cv::Mat& image, bool is_bigendian) {
   return grey;
 }
 
-cv::Mat ToGrey(const sensor_msgs::Image& message, const Encoding& encoding) {
+cv::Mat Decode(const sensor_msgs::Image& message, const Encoding& encoding, PixelKind kind) {
   // OpenCV has no const view; the data is only read.
   auto* data = const_cast<std::uint8_t*>(message.data.data());
   const cv::Mat view(static_cast<int>(message.height),
@@ -101,13 +102,14 @@ cv::Mat ToGrey(const sensor_msgs::Image& message, const Encoding& encoding) {
   if (encoding.type == CV_8UC2) {
     return Grey16(view, message.is_bigendian != 0);
   }
-  cv::Mat grey;
-  if (encoding.conversion < 0) {
-    view.copyTo(grey);
+  const int conversion = kind == PixelKind::kGrey ? encoding.to_grey : encoding.to_bgr;
+  cv::Mat pixels;
+  if (conversion < 0) {
+    view.copyTo(pixels);
   } else {
-    cv::cvtColor(view, grey, encoding.conversion);
+    cv::cvtColor(view, pixels, conversion);
   }
-  return grey;
+  return pixels;
 }
 
 std::int64_t FeatureId(float value) {
@@ -247,21 +249,25 @@ sensor_msgs::PointCloud ToMatchPoints(const Relocalisation& relocalisation,
   return message;
 }
 
-ImageSource FromImage(const sensor_msgs::ImageConstPtr& message, const std::string& topic) {
+ImageSource FromImage(const sensor_msgs::ImageConstPtr& message,
+                      const std::string& topic,
+                      PixelKind kind) {
   const Encoding& encoding = FindEncoding(message->encoding, topic);
   CheckImageSize(*message, encoding.type, topic);
-  return [message, &encoding] { return ToGrey(*message, encoding); };
+  return [message, &encoding, kind] { return Decode(*message, encoding, kind); };
 }
 
 ImageSource FromCompressedImage(const sensor_msgs::CompressedImageConstPtr& message,
-                                const std::string& topic) {
+                                const std::string& topic,
+                                PixelKind kind) {
   if (message->data.empty()) {
     ThrowInputError("{}: compressed image without data: expected JPEG or PNG", topic);
   }
-  return [message, topic] {
+  return [message, topic, kind] {
     cv::Mat image;
     try {
-      image = cv::imdecode(message->data, cv::IMREAD_GRAYSCALE);
+      image = cv::imdecode(message->data,
+                           kind == PixelKind::kGrey ? cv::IMREAD_GRAYSCALE : cv::IMREAD_ANYCOLOR);
     } catch (const cv::Exception&) {
       image.release();
     }

@@ -63,14 +63,23 @@ sensor_msgs::PointCloud ToMatchPoints(const Relocalisation& relocalisation,
                                       std::int64_t stamp_current_ns,
                                       const std::string& frame_id);
 
+/// What an image is decoded to.
+enum class PixelKind {
+  kGrey,   ///< CV_8UC1
+  kColor,  ///< CV_8UC3 (blue, green, red) where the message has colours, otherwise CV_8UC1
+};
+
 /// Checks the header of an image (encoding mono8, 8UC1, rgb8, bgr8, rgba8, bgra8, mono16 or 16UC1,
-/// sizes) now, and returns what makes it grey later: CV_8UC1; 16 bits are divided by 256. Holds the
-/// message alive.
-ImageSource FromImage(const sensor_msgs::ImageConstPtr& message, const std::string& topic);
+/// sizes) now, and returns what decodes it later; 16 bits are divided by 256. Holds the message
+/// alive.
+ImageSource FromImage(const sensor_msgs::ImageConstPtr& message,
+                      const std::string& topic,
+                      PixelKind kind = PixelKind::kGrey);
 
 /// As FromImage for JPEG or PNG; the source throws InputError when the data can't be decoded.
 ImageSource FromCompressedImage(const sensor_msgs::CompressedImageConstPtr& message,
-                                const std::string& topic);
+                                const std::string& topic,
+                                PixelKind kind = PixelKind::kGrey);
 
 /// Grey or BGR image (CV_8UC1 or CV_8UC3) to mono8 or bgr8.
 sensor_msgs::Image ToImage(const cv::Mat& image,
