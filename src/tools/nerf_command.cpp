@@ -28,28 +28,77 @@ void AddScaleOption(CLI::App* sub, double* scale) {
       ->capture_default_str();
 }
 
-void AddInputOptions(CLI::App* sub, NerfInput* input) {
-  sub->add_option("--images", input->images, "Directory of images named <stamp in ns>.png or .jpg")
-      ->required()
+void AddSourceOptions(CLI::App* sub, NerfInput* input) {
+  sub->add_option("--images",
+                  input->images,
+                  "Directory of images named by their stamps (ns, or s with a point), EuRoC's ASL "
+                  "folder, or the images of --colmap")
       ->check(CLI::ExistingDirectory);
   sub->add_option("--camera", input->camera, "Camera and extrinsics: VINS-Mono's YAML")
-      ->required()
       ->check(CLI::ExistingFile);
-  sub->add_option("--poses", input->poses, "Trajectory in the TUM format")
-      ->required()
-      ->check(CLI::ExistingFile);
+  sub->add_option("--poses",
+                  input->poses,
+                  "Trajectory: TUM, EuRoC's or VINS-Mono's CSV, a COLMAP model, or a bag with "
+                  "--pose-topic")
+      ->check(CLI::ExistingPath);
   sub->add_option("--poses-of", input->poses_of, "What the trajectory is of")
       ->check(CLI::IsMember({"body", "camera"}))
       ->capture_default_str();
-  sub->add_option("--holdout", input->holdout, "Hold out every N-th image; 0: none")
+  sub->add_option("--transforms", input->transforms, "instant-ngp's or nerfstudio's JSON")
+      ->check(CLI::ExistingFile);
+  sub->add_option("--colmap", input->colmap, "COLMAP model, text or binary")
+      ->check(CLI::ExistingDirectory);
+  sub->add_option("--seven-scenes",
+                  input->seven_scenes,
+                  "Directory of frame-*.{color,pose,depth} and camera-intrinsics.txt")
+      ->check(CLI::ExistingDirectory);
+#ifdef DEJA_VIEW_WITH_ROS
+  sub->add_option("--bag", input->bag, "Bag with images")->check(CLI::ExistingFile);
+  sub->add_option("--image-topic", input->image_topic, "Its images; default: as --camera says");
+  sub->add_option(
+      "--pose-topic",
+      input->pose_topic,
+      "Odometry, PoseStamped, PoseWithCovarianceStamped or TransformStamped in --poses or --bag");
+  sub->add_option("--points",
+                  input->points,
+                  "Bag with VINS-Mono's keyframes, whose points become depth points")
+      ->check(CLI::ExistingFile);
+#endif
+}
+
+void AddImageOptions(CLI::App* sub, NerfInput* input) {
+  sub->add_option("--every", input->every, "Take every N-th image")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  sub->add_option("--holdout",
+                  input->holdout,
+                  "Hold out every N-th image, and those with a depth map where at most half of the "
+                  "images have one; 0: none")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   AddScaleOption(sub, &input->scale);
+  sub->add_option("--max-side", input->max_side, "Shrink images to this longest side [px]")
+      ->check(CLI::PositiveNumber);
+}
+
+void AddInputOptions(CLI::App* sub, NerfInput* input) {
+  AddSourceOptions(sub, input);
+  sub->add_flag("--skip-missing",
+                input->skip_missing,
+                "Leave out images without a pose and poses without an image");
+  AddImageOptions(sub, input);
+}
+
+void AddTrainOptions(CLI::App* sub, fs::path* config, std::vector<std::string>* overrides) {
+  sub->add_option("--config", *config, "YAML with training options")->check(CLI::ExistingFile);
+  sub->add_option("--set", *overrides, "Override of an option: group.key=value")->take_all();
 }
 
 template <typename Run>
-Command Reporting(std::shared_ptr<std::string> json_file, Run run) {
-  return [json_file, run] {
+Command Reporting(std::shared_ptr<std::string> json_file,
+                  Run run,
+                  void (*print)(const Json&) = PrintJson) {
+  return [json_file, run, print] {
     Json json;
     try {
       json = run();
@@ -60,7 +109,7 @@ Command Reporting(std::shared_ptr<std::string> json_file, Run run) {
     if (!json_file->empty()) {
       WriteFileAtomically(*json_file, [&](std::ostream& out) { out << json.dump(2) << "\n"; });
     }
-    PrintJson(json);
+    print(json);
     return json.value("interrupted", false) ? 130 : 0;
   };
 }
@@ -81,10 +130,7 @@ void AddTrain(CLI::App* nerf, Command* command) {
   auto json_file = std::make_shared<std::string>();
   AddInputOptions(sub, &request->input);
   AddCommonOptions(sub, request.get(), json_file.get());
-  sub->add_option("--config", request->config, "YAML with training options")
-      ->check(CLI::ExistingFile);
-  sub->add_option("--set", request->overrides, "Override of an option: group.key=value")
-      ->take_all();
+  AddTrainOptions(sub, &request->config, &request->overrides);
   sub->add_option("--box", request->box, "The scene: min x y z, max x y z [m]")->expected(6);
   sub->add_option("--margin",
                   request->margin,
@@ -95,7 +141,7 @@ void AddTrain(CLI::App* nerf, Command* command) {
       "--no-sparse-points",
       [request] { request->sparse_points = false; },
       "Don't look for points that images share");
-  sub->add_flag("--color", request->input.color, "Train three channels");
+  sub->add_flag("--grey", request->input.grey, "Train one channel, even on colour images");
   sub->add_option("--budget-s", request->budget_s, "Wall time [s]")
       ->check(CLI::Range(5.0, 1e7))
       ->capture_default_str();
@@ -132,6 +178,63 @@ void AddEval(CLI::App* nerf, Command* command) {
       [=] { *command = Reporting(json_file, [request] { return RunNerfEval(*request); }); });
 }
 
+std::string Cell(const Json& value, int digits) {
+  return value.is_number() ? fmt::format("{:.{}f}", value.get<double>(), digits) : "-";
+}
+
+void PrintComparison(const Json& json) {
+  std::cout << fmt::format("{} images, {} steps each\n{:<16} {:>9} {:>7} {:>8} {:>13}\n",
+                           json["images"].dump(),
+                           json["steps"].dump(),
+                           "poses",
+                           "PSNR [dB]",
+                           "SSIM",
+                           "corners",
+                           "residual [m]");
+  for (const Json& source : json["sources"]) {
+    const Json& alignment = source["alignment"];
+    std::cout << fmt::format("{:<16} {:>9} {:>7} {:>8} {:>13}\n",
+                             source["name"].get<std::string>(),
+                             Cell(source["psnr_db"], 2),
+                             Cell(source["ssim"], 4),
+                             Cell(source["corner_match_rate"], 3),
+                             alignment.is_null() ? "-" : Cell(alignment["rmse_m"], 3));
+  }
+}
+
+void AddComparePoses(CLI::App* nerf, Command* command) {
+  CLI::App* sub = nerf->add_subcommand(
+      "compare-poses", "Train a short field per source of poses and compare held-out views");
+  auto request = std::make_shared<NerfCompareRequest>();
+  auto json_file = std::make_shared<std::string>();
+  sub->add_option("--source",
+                  request->sources,
+                  "NAME=FILE, poses of the body: TUM, EuRoC's or VINS-Mono's CSV, a COLMAP model "
+                  "(of the camera), or BAG:/topic; repeatable");
+  sub->add_option("--camera-source", request->camera_sources, "As --source, poses of the camera");
+  sub->add_option("--reference",
+                  request->reference,
+                  "Poses, as those of --source, to which all are aligned; a bad fit is an error");
+  sub->add_option("--images", request->input.images, "Directory of images named by their stamps")
+      ->required()
+      ->check(CLI::ExistingDirectory);
+  sub->add_option("--camera", request->input.camera, "Camera and extrinsics: VINS-Mono's YAML")
+      ->required()
+      ->check(CLI::ExistingFile);
+  AddImageOptions(sub, &request->input);
+  sub->add_flag("--grey", request->input.grey, "Train one channel, even on colour images");
+  AddTrainOptions(sub, &request->config, &request->overrides);
+  AddCommonOptions(sub, request.get(), json_file.get());
+  sub->add_option("--steps", request->steps, "Steps of each training")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  sub->add_option("--pictures", request->pictures, "Directory for real | rendered | difference");
+  sub->callback([=] {
+    *command = Reporting(
+        json_file, [request] { return RunNerfComparePoses(*request); }, PrintComparison);
+  });
+}
+
 void AddRender(CLI::App* nerf, Command* command) {
   CLI::App* sub = nerf->add_subcommand("render", "Render pictures along a trajectory");
   auto request = std::make_shared<NerfRenderRequest>();
@@ -140,14 +243,18 @@ void AddRender(CLI::App* nerf, Command* command) {
   AddCommonOptions(sub, request.get(), json_file.get());
   sub->add_option("--model", request->model, "Model file")->required()->check(CLI::ExistingFile);
   sub->add_option("--camera", request->camera, "Camera and extrinsics: VINS-Mono's YAML")
-      ->required()
       ->check(CLI::ExistingFile);
-  sub->add_option("--trajectory", request->trajectory, "Poses in the TUM format")
-      ->required()
-      ->check(CLI::ExistingFile);
+  sub->add_option("--trajectory",
+                  request->trajectory,
+                  "Poses: TUM, EuRoC's or VINS-Mono's CSV, or a COLMAP model")
+      ->check(CLI::ExistingPath);
   sub->add_option("--poses-of", request->poses_of, "What the trajectory is of")
       ->check(CLI::IsMember({"body", "camera"}))
       ->capture_default_str();
+  sub->add_option("--transforms",
+                  request->transforms,
+                  "Instead of both, the frames of a transforms.json, one picture each")
+      ->check(CLI::ExistingFile);
   sub->add_option("--fps", request->fps, "Pictures per second of the trajectory")
       ->check(CLI::Range(1e-3, 1e3))
       ->capture_default_str();
@@ -169,10 +276,12 @@ void AddInfo(CLI::App* nerf, Command* command) {
 }  // namespace
 
 void AddNerfCommand(CLI::App& app, Command* command) {
-  CLI::App* nerf = app.add_subcommand("nerf", "Radiance fields: train, render, eval, info");
+  CLI::App* nerf =
+      app.add_subcommand("nerf", "Radiance fields: train, eval, render, compare poses, info");
   nerf->require_subcommand(1);
   AddTrain(nerf, command);
   AddEval(nerf, command);
+  AddComparePoses(nerf, command);
   AddRender(nerf, command);
   AddInfo(nerf, command);
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,7 @@ struct NerfTrainRequest {
   std::filesystem::path config;        ///< nerf::TrainOptions
   std::vector<std::string> overrides;  ///< "group.key=value" on top
   std::vector<double> box;             ///< min x y z, max x y z [m]; empty: about the cameras
-  std::optional<double> margin;        ///< of that box; nothing: by whether there are points
+  std::optional<double> margin;        ///< of that box; times its diagonal; nothing: DefaultMargin
   bool sparse_points = true;           ///< find points that images share
   double budget_s = 600;               ///< wall time from the start to the model file
   int steps = 0;                       ///< 0: as many as the budget allows
@@ -41,8 +42,9 @@ struct NerfEvalRequest {
 /// What `deja_view nerf render` is told.
 struct NerfRenderRequest {
   std::filesystem::path model;
-  std::filesystem::path camera;
-  std::filesystem::path trajectory;  ///< TUM
+  std::filesystem::path transforms;  ///< instead of camera and trajectory
+  std::filesystem::path camera;      ///< VINS-Mono's YAML
+  std::filesystem::path trajectory;  ///< ReadTrajectoryFile
   std::string poses_of = "body";
   double scale = 1;
   double fps = 10;  ///< pictures per second of the trajectory
@@ -52,15 +54,38 @@ struct NerfRenderRequest {
   bool show_progress = true;
 };
 
+/// What `deja_view nerf compare-poses` is told.
+struct NerfCompareRequest {
+  NerfInput input;  ///< images, camera and how they are taken; its poses are not used
+  std::vector<std::string> sources;         ///< NAME=FILE or NAME=BAG:/topic
+  std::vector<std::string> camera_sources;  ///< of the camera, not of the body
+  std::string reference;                    ///< FILE or BAG:/topic to align to; empty: no alignment
+  std::filesystem::path config;             ///< nerf::TrainOptions
+  std::vector<std::string> overrides;       ///< "group.key=value" on top
+  int steps = 1000;                         ///< of each training
+  int threads = 0;
+  std::filesystem::path pictures;  ///< directory for side-by-side pictures; empty: none
+  bool show_progress = true;
+};
+
 /// Trains a field and writes it; the schedule follows the clock unless `steps` is given, so that
 /// only then two runs give the same model. Ctrl-C leaves the model as it is, for `resume`. Returns
 /// `steps, rays, samples, psnr_db (over the last training rays), train_wall_s, depth_points,
 /// rays_per_s, samples_per_s, interrupted, peak_rss_mb`.
 nlohmann::ordered_json RunNerfTrain(const NerfTrainRequest& request);
 
-/// Renders held-out views; returns `psnr_db, ssim, corner_match_rate, views, render_ms_median,
-/// peak_rss_mb`. Exposures are those of the training images before and after, not fitted.
+/// Renders held-out views; returns `psnr_db, ssim, corner_match_rate, views, depth_rel_err_median
+/// (over all pixels of nerf::Split's held_out and depth_checks that have a true depth; null without
+/// any), depth_views, render_ms_median, peak_rss_mb`. Exposures are those of the training images
+/// before and after, not fitted.
 nlohmann::ordered_json RunNerfEval(const NerfEvalRequest& request);
+
+/// Trains a short field per source of poses, on the same images with the same steps, and compares
+/// held-out views rendered at the source's own poses: the paper's Table 2. Images count that all
+/// sources have a pose for. Returns `images, steps, sources: [{name, file, psnr_db, ssim,
+/// corner_match_rate, views, train_wall_s, alignment: {rmse_m, max_m, inlier_share, rotation_deg,
+/// scale}}]`.
+nlohmann::ordered_json RunNerfComparePoses(const NerfCompareRequest& request);
 
 /// Writes 000000.png ... along a trajectory; returns `views, render_ms_median, peak_rss_mb`.
 nlohmann::ordered_json RunNerfRender(const NerfRenderRequest& request);

@@ -1,7 +1,7 @@
+#include "deja_view/base/check.hpp"
 #include "deja_view/base/progress.hpp"
 #include "deja_view/nerf/checkpoint.hpp"
 #include "deja_view/nerf/field_renderer.hpp"
-#include "deja_view/nerf/image_metrics.hpp"
 #include "deja_view/nerf/posed_images.hpp"
 
 #include <memory>
@@ -9,74 +9,58 @@
 
 #include "interrupt.hpp"
 #include "nerf_command.hpp"
+#include "nerf_evaluation.hpp"
 #include "tool_figures.hpp"
-#include <opencv2/core.hpp>
 
 namespace deja_view {
-namespace {
 
 using Json = nlohmann::ordered_json;
 
-cv::Mat SideBySide(const cv::Mat& real, const cv::Mat& rendered) {
-  cv::Mat difference;
-  cv::absdiff(real, rendered, difference);
-  cv::Mat picture;
-  cv::hconcat(std::vector<cv::Mat>{real, rendered, 2 * difference}, picture);
-  return picture;
-}
-
-cv::Mat ToGrey(const cv::Mat& image) {
-  if (image.channels() == 1) {
-    return image;
-  }
-  cv::Mat grey;
-  cv::extractChannel(image, grey, 1);
-  return grey;
-}
-
-}  // namespace
-
 Json RunNerfEval(const NerfEvalRequest& request) {
-  Interrupt interrupt;
-  const auto field = std::make_shared<nerf::RadianceField>(nerf::ReadField(request.model));
-  const nerf::FieldRenderer renderer(field, nerf::FindKernels(request.kernels));
-  std::vector<nerf::PosedImage> images = ReadNerfInput(request.input).held_out;
-  if (request.views > 0 && images.size() > static_cast<std::size_t>(request.views)) {
-    images.resize(static_cast<std::size_t>(request.views));
+  const Interrupt interrupt;
+  const nerf::FieldRenderer renderer(
+      std::make_shared<nerf::RadianceField>(nerf::ReadField(request.model)),
+      nerf::FindKernels(request.kernels));
+  NerfEvaluation evaluation(
+      renderer, MakeLoadOptions(request.input, request.threads), request.pictures);
+  nerf::Split split = ReadNerfInput(request.input);
+  if (split.held_out.empty()) {
+    ThrowInputError("no image is held out: expected --holdout N as in the training");
   }
-  const std::vector<nerf::TrainingView> views =
-      nerf::LoadViews(images, field->channels, request.input.scale, request.threads);
-  std::vector<double> psnr, ssim, corners, times;
+  if (request.views > 0 && split.held_out.size() > static_cast<std::size_t>(request.views)) {
+    split.held_out.resize(static_cast<std::size_t>(request.views));
+    split.depth_checks.clear();
+  }
   std::optional<Progress> progress;
   if (request.show_progress) {
-    progress.emplace("rendering", "views", views.size());
+    progress.emplace("rendering", "views", split.held_out.size() + split.depth_checks.size());
   }
-  for (const nerf::TrainingView& view : views) {
+  for (const nerf::PosedImage& image : split.held_out) {
     interrupt.Check();
-    const nerf::Exposure exposure = renderer.ExposureAt(view.stamp_ns);
-    const auto start = Clock::now();
-    const RenderedView rendered =
-        renderer.Render(*view.camera, view.T_N_C, {exposure.gain, exposure.bias, request.threads});
-    times.push_back(1e3 * SecondsSince(start));
-    psnr.push_back(nerf::Psnr(view.image, rendered.image));
-    ssim.push_back(nerf::Ssim(view.image, rendered.image));
-    corners.push_back(nerf::CornerMatchRate(ToGrey(view.image), ToGrey(rendered.image)));
-    if (!request.pictures.empty()) {
-      WritePng(request.pictures / (view.name + ".png"), SideBySide(view.image, rendered.image));
-    }
+    evaluation.Compare(image);
     if (progress) {
-      progress->Update(psnr.size());
+      progress->Update(evaluation.render_ms().size());
+    }
+  }
+  for (const nerf::PosedImage& image : split.depth_checks) {
+    interrupt.Check();
+    evaluation.CompareDepthOnly(image);
+    if (progress) {
+      progress->Update(evaluation.render_ms().size());
     }
   }
   if (progress) {
-    progress->Finish(psnr.size());
+    progress->Finish(evaluation.render_ms().size());
   }
   Json json;
-  json["psnr_db"] = Mean(psnr);
-  json["ssim"] = Mean(ssim);
-  json["corner_match_rate"] = Mean(corners);
-  json["views"] = psnr.size();
-  json["render_ms_median"] = Median(times);
+  json["psnr_db"] = Mean(evaluation.psnr_db());
+  json["ssim"] = Mean(evaluation.ssim());
+  json["corner_match_rate"] = Mean(evaluation.corner_match_rate());
+  json["views"] = evaluation.psnr_db().size();
+  json["depth_rel_err_median"] =
+      evaluation.depth_views() > 0 ? Json(Median(evaluation.depth_errors())) : Json(nullptr);
+  json["depth_views"] = evaluation.depth_views();
+  json["render_ms_median"] = Median(evaluation.render_ms());
   json["peak_rss_mb"] = PeakRss_mb();
   return json;
 }

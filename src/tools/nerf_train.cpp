@@ -1,7 +1,6 @@
 #include "deja_view/base/atomic_file.hpp"
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/progress.hpp"
-#include "deja_view/io/options_yaml.hpp"
 #include "deja_view/nerf/checkpoint.hpp"
 #include "deja_view/nerf/posed_images.hpp"
 #include "deja_view/nerf/sparse_points.hpp"
@@ -14,6 +13,7 @@
 
 #include "interrupt.hpp"
 #include "nerf_command.hpp"
+#include "nerf_options.hpp"
 #include "tool_figures.hpp"
 #include <fmt/format.h>
 
@@ -21,18 +21,6 @@ namespace deja_view {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-nerf::TrainOptions ReadTrainOptions(const NerfTrainRequest& request) {
-  nerf::TrainOptions options;
-  if (!request.config.empty()) {
-    ReadOptions(request.config, &options);
-  }
-  for (const std::string& assignment : request.overrides) {
-    OverrideOption(assignment, &options);
-  }
-  options.threads = request.threads;
-  return options;
-}
 
 std::size_t CountPoints(const std::vector<nerf::TrainingView>& views) {
   std::size_t count = 0;
@@ -45,7 +33,7 @@ std::size_t CountPoints(const std::vector<nerf::TrainingView>& views) {
 nerf::SceneBox MakeBox(const NerfTrainRequest& request,
                        const std::vector<nerf::TrainingView>& views) {
   if (request.box.empty()) {
-    return nerf::BoxAround(views, request.margin.value_or(CountPoints(views) > 0 ? 0.05 : 0.6));
+    return nerf::BoxAround(views, request.margin.value_or(DefaultMargin(views)));
   }
   nerf::SceneBox box;
   box.min = {request.box[0], request.box[1], request.box[2]};
@@ -181,7 +169,8 @@ bool Train(const NerfTrainRequest& request,
 Json RunNerfTrain(const NerfTrainRequest& request) {
   const auto start = Clock::now();
   const Interrupt interrupt;
-  const nerf::TrainOptions options = ReadTrainOptions(request);
+  const nerf::TrainOptions options =
+      ReadTrainOptions(request.config, request.overrides, request.threads);
   std::vector<nerf::TrainingView> views = LoadTrainingViews(request.input, request.threads);
   if (request.sparse_points) {
     nerf::AddSparsePoints({}, request.threads, &views);

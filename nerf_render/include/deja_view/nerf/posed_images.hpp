@@ -2,52 +2,76 @@
 
 #include "deja_view/camera/camera.hpp"
 #include "deja_view/geometry/rigid3.hpp"
-#include "deja_view/geometry/trajectory.hpp"
 #include "deja_view/nerf/trainer.hpp"
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include <opencv2/core/mat.hpp>
+
 namespace deja_view::nerf {
 
-/// An image file with its camera, at the file's own size, and its pose.
+/// A 16-bit image of distances along the optical axis; 0 and 65535: unknown.
+struct DepthMapFile {
+  std::filesystem::path path;  ///< empty: there is none
+  double unit_m = 1e-3;        ///< [m]
+};
+
+/// An image with its camera, at the file's own size, and its pose.
 struct PosedImage {
-  std::filesystem::path path;
-  std::string name;           ///< within its data set
-  std::int64_t stamp_ns = 0;  ///< 0: unknown
+  std::filesystem::path path;  ///< for errors only where `read` is given
+  std::string name;            ///< within its data set
+  std::int64_t stamp_ns = 0;   ///< 0: unknown
   std::shared_ptr<const Camera> camera;
   Rigid3 T_N_C;
+  std::vector<DepthPoint> points;  ///< pixels of `camera`
+  DepthMapFile depth;
+  /// Decodes an image that is no file of its own: CV_8UC1 or CV_8UC3 (blue, green, red). Calls may
+  /// come from several threads.
+  std::function<cv::Mat()> read;
 };
 
-/// Image files of a directory, without its subdirectories, sorted by name. Throws InputError that
-/// names the directory when it can't be read or holds no image.
-std::vector<std::filesystem::path> ListImages(const std::filesystem::path& directory);
+/// How images are decoded.
+struct LoadOptions {
+  int channels = 1;  ///< 1: grey, 3: blue, green, red
+  double scale = 1;  ///< size against the files', in (0, 1]; area means
+  int max_side = 0;  ///< longest side [px], images and cameras shrink further to it; 0: any
+  /// Training on a depth map: a point at every so many pixels of the file; 0: none.
+  int depth_step_px = 16;
+  int threads = 0;
+};
 
-/// Images named <stamp in ns>.<extension> in `directory`, with the poses that `T_N_B` has at their
-/// stamps, interpolated over at most 0.1 s; T_B_C is the identity for a trajectory of the camera.
-/// N is the trajectory's world. Throws InputError that names the file for a name that is no stamp,
-/// and with counts when images lack a pose.
-std::vector<PosedImage> ReadTrajectoryImages(const std::filesystem::path& directory,
-                                             std::shared_ptr<const Camera> camera,
-                                             const Rigid3& T_B_C,
-                                             const Trajectory& T_N_B);
-
-/// Decodes images, as grey levels where `channels` is 1, and shrinks them and their cameras by
-/// `scale` (at most 1; area means). Throws InputError that names a file that can't be decoded or
-/// has another size than its camera.
+/// Decodes images and shrinks them with their cameras and points. Throws InputError that names a
+/// file that can't be decoded or has another size than its camera.
 std::vector<TrainingView> LoadViews(const std::vector<PosedImage>& images,
-                                    int channels,
-                                    double scale,
-                                    int threads);
+                                    const LoadOptions& options);
 
-/// Every `every`-th image, from the first on, for evaluation; the others for training. 0: none.
+/// 3 when one of the images, of which a few are decoded, has colours, otherwise 1: pictures that
+/// are stored with three equal channels are grey.
+int CountChannels(const std::vector<PosedImage>& images);
+
+/// A camera's pixels and the distance of what they see, CV_32FC1 of the camera's size: [m] along
+/// the unit ray, 0 where it is unknown. Throws InputError that names a file that is no 16-bit image
+/// of the size of the image's camera.
+cv::Mat ReadDepthMap(const PosedImage& image);
+
+/// Leaves out points that lie outside the box of the middle 98 % of all on each axis of N, widened
+/// by a tenth: strays of a triangulation, which would blow up the scene's box.
+void DropStrayPoints(std::vector<PosedImage>* images);
+
+/// Who learns from which images.
 struct Split {
   std::vector<PosedImage> training;
-  std::vector<PosedImage> held_out;
+  std::vector<PosedImage> held_out;      ///< every N-th, from the first on
+  std::vector<PosedImage> depth_checks;  ///< others with a depth map, only for the depth's error
 };
+
+/// Holds out every `every`-th image, and those with a depth map where at most half of the images
+/// have one. 0: none.
 Split HoldOut(const std::vector<PosedImage>& images, int every);
 
 }  // namespace deja_view::nerf

@@ -1,0 +1,69 @@
+#include "deja_view/base/check.hpp"
+#include "deja_view/nerf/image_readers.hpp"
+
+#include "image_files.hpp"
+#include <gmock/gmock.h>
+
+namespace deja_view::nerf {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class SevenScenesTest : public ImageFilesTest {
+ protected:
+  SevenScenesTest() {
+    Write("camera-intrinsics.txt", "5.85e+01 0 8\n0 5.85e+01 6\n0 0 1\n");
+    for (const char* name : {"frame-000030", "frame-000000"}) {
+      WriteImage(std::string(name) + ".color.png");
+      Write(std::string(name) + ".pose.txt", "1 0 0 1\n0 0 -1 2\n0 1 0 3\n0 0 0 1\n");
+    }
+    WriteImage("frame-000030.depth.png", cv::Mat(12, 16, CV_16UC1, cv::Scalar(1500)));
+  }
+  std::string Error() const {
+    return MessageOf<InputError>([&] { ReadSevenScenes(directory_); });
+  }
+};
+
+TEST_F(SevenScenesTest, ReadsFrames) {
+  const auto images = ReadSevenScenes(directory_);
+  ASSERT_EQ(images.size(), 2U);
+  EXPECT_EQ(images[0].name, "frame-000000");
+  EXPECT_EQ(images[1].stamp_ns - images[0].stamp_ns, 1'000'000'000);
+  EXPECT_TRUE(images[0].depth.path.empty());
+  EXPECT_NEAR(ReadDepthMap(images[1]).at<float>(6, 8), 1.5, 1e-6);
+  EXPECT_LT((images[1].T_N_C * Eigen::Vector3d(0, 1, 0) - Eigen::Vector3d(1, 2, 4)).norm(), 1e-12);
+  EXPECT_NEAR(images[0].camera->FocalLength(), 58.5, 1e-12);
+  EXPECT_EQ(images[0].camera->height(), 12);
+}
+
+TEST_F(SevenScenesTest, MissingFilesAreErrors) {
+  std::filesystem::remove(directory_ / "frame-000000.pose.txt");
+  EXPECT_THAT(Error(), AllOf(HasSubstr("1 of 2 frames have no pose"), HasSubstr("frame-000000")));
+  EXPECT_EQ(ReadSevenScenes(directory_, true).size(), 1U);
+  std::filesystem::remove(directory_ / "frame-000030.color.png");
+  EXPECT_THAT(Error(), HasSubstr("1 of 2 frames have no color image"));
+  EXPECT_THAT(MessageOf<InputError>([&] { ReadSevenScenes(directory_, true); }),
+              HasSubstr("expected frame-XXXXXX.color"));
+  EXPECT_THAT(MessageOf<InputError>([&] { ReadSevenScenes(directory_ / "none"); }),
+              HasSubstr("can't be listed"));
+}
+
+TEST_F(SevenScenesTest, MalformedFilesAreNamed) {
+  for (const char* pose : {"1 0 0 1\n0 0 -1 2\n0 1 0 3\n0 0 0\n",
+                           "1 0 0 nan\n0 0 -1 2\n0 1 0 3\n0 0 0 1\n",
+                           "2 0 0 1\n0 0 -1 2\n0 1 0 3\n0 0 0 1\n",
+                           "1 0 0 1\n0 0 1 2\n0 1 0 3\n0 0 0 1\n",
+                           "-1.#IND 0 0 1\n"}) {
+    Write("frame-000000.pose.txt", pose);
+    EXPECT_THAT(Error(), HasSubstr("frame-000000.pose.txt")) << pose;
+  }
+  Write("frame-000000.pose.txt", "1 0 0 1\n0 0 -1 2\n0 1 0 3\n0 0 0 1\n");
+  Write("camera-intrinsics.txt", "0 0 8\n0 58 6\n0 0 1\n");
+  EXPECT_THAT(Error(), HasSubstr("camera-intrinsics.txt"));
+  std::filesystem::remove(directory_ / "camera-intrinsics.txt");
+  EXPECT_THAT(Error(), HasSubstr("camera-intrinsics.txt"));
+}
+
+}  // namespace
+}  // namespace deja_view::nerf
