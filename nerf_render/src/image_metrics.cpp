@@ -83,4 +83,30 @@ double CornerMatchRate(
              : static_cast<double>(found) / static_cast<double>(query.keypoints.size());
 }
 
+cv::Mat WarpImage(const TrainingView& from,
+                  const Camera& camera,
+                  const Rigid3& T_N_C,
+                  const cv::Mat& depth) {
+  DEJA_VIEW_CHECK(depth.type() == CV_32FC1 && depth.cols == camera.width() &&
+                  depth.rows == camera.height());
+  const Rigid3 T_F_C = from.T_N_C.Inverse() * T_N_C;
+  cv::Mat places(depth.size(), CV_32FC2, cv::Scalar(-1, -1));
+  for (int y = 0; y < depth.rows; ++y) {
+    for (int x = 0; x < depth.cols; ++x) {
+      const auto range = static_cast<double>(depth.at<float>(y, x));
+      if (range <= 0) {
+        continue;
+      }
+      const auto pixel = from.camera->Project(T_F_C * (range * camera.Unproject({x, y})));
+      if (pixel && from.camera->IsInImage(*pixel)) {
+        places.at<cv::Vec2f>(y, x) = {static_cast<float>(pixel->x()),
+                                      static_cast<float>(pixel->y())};
+      }
+    }
+  }
+  cv::Mat result;
+  cv::remap(from.image, result, places, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_CONSTANT);
+  return result;
+}
+
 }  // namespace deja_view::nerf

@@ -88,13 +88,15 @@ class Schedule {
       : request_(request), start_(start), setup_s_(SecondsSince(start)), done_(done) {}
 
   /// In [0, 1); 1 or more when the training is over.
-  double Share(int steps) const {
+  double Share(int steps) const { return done_ + (1 - done_) * ShareOfRun(steps); }
+
+  /// Of this run, which may go on with an older one.
+  double ShareOfRun(int steps) const {
     // Time that writing the model takes; part of the budget.
     constexpr double kWriting_s = 1.5;
-    const double share = request_.steps > 0 ? static_cast<double>(steps) / request_.steps
-                                            : (SecondsSince(start_) + kWriting_s - setup_s_) /
-                                                  (request_.budget_s - setup_s_);
-    return done_ + (1 - done_) * share;
+    return request_.steps > 0
+               ? static_cast<double>(steps) / request_.steps
+               : (SecondsSince(start_) + kWriting_s - setup_s_) / (request_.budget_s - setup_s_);
   }
   double setup_s() const { return setup_s_; }
 
@@ -142,6 +144,8 @@ bool Train(const NerfTrainRequest& request,
        share = schedule.Share(sums->steps)) {
     sums->Add(trainer->Step(share));
     if (progress) {
+      const double krays = static_cast<double>(sums->rays) / 1000;
+      progress->SetTotal(static_cast<std::size_t>(krays / schedule.ShareOfRun(sums->steps)));
       progress->Update(sums->rays / 1000, sums->Line(share));
     }
     if (request.checkpoint_s > 0 && SecondsSince(written) > request.checkpoint_s) {

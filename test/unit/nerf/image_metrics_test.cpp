@@ -1,6 +1,9 @@
 #include "deja_view/nerf/image_metrics.hpp"
 
+#include "deja_view/camera/pinhole_camera.hpp"
+
 #include <cmath>
+#include <memory>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -54,6 +57,33 @@ TEST(ImageMetrics, CornersMatchTheSameImageButNotAnotherOrAShiftedOne) {
   const cv::Mat shift = (cv::Mat_<double>(2, 3) << 1, 0, 10, 0, 1, 0);
   cv::warpAffine(a, shifted, shift, a.size());
   EXPECT_LT(CornerMatchRate(a, shifted), 0.1);
+}
+
+TEST(WarpImage, ShiftsAWallByItsParallax) {
+  PinholeParameters parameters;
+  parameters.width = 60;
+  parameters.height = 40;
+  parameters.fx = parameters.fy = 50;
+  parameters.cx = 29.5;
+  parameters.cy = 19.5;
+  TrainingView from;
+  from.camera = std::make_shared<PinholeCamera>(parameters);
+  from.image.create(40, 60, CV_8UC1);
+  cv::randu(from.image, 1, 255);
+  // 0.1 m to the left of a wall 1 m away: what is at x here is at x + 5 there.
+  from.T_N_C.t = {-0.1, 0, 0};
+  cv::Mat depth(40, 60, CV_32FC1);
+  for (int y = 0; y < 40; ++y) {
+    for (int x = 0; x < 60; ++x) {
+      depth.at<float>(y, x) = static_cast<float>(1 / from.camera->Unproject({x, y}).z());
+    }
+  }
+  depth.at<float>(3, 3) = 0;
+  const cv::Mat warped = WarpImage(from, *from.camera, Rigid3::Identity(), depth);
+  EXPECT_EQ(warped.at<std::uint8_t>(20, 30), from.image.at<std::uint8_t>(20, 35));
+  EXPECT_EQ(warped.at<std::uint8_t>(7, 11), from.image.at<std::uint8_t>(7, 16));
+  EXPECT_EQ(warped.at<std::uint8_t>(20, 58), 0);
+  EXPECT_EQ(warped.at<std::uint8_t>(3, 3), 0);
 }
 
 }  // namespace

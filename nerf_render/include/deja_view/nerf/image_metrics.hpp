@@ -1,6 +1,7 @@
 #pragma once
 
 #include "deja_view/features/brief_extractor.hpp"
+#include "deja_view/nerf/trainer.hpp"
 
 #include <opencv2/core/mat.hpp>
 
@@ -22,5 +23,14 @@ double CornerMatchRate(const cv::Mat& real,
                        int corners = 1000,
                        double radius_px = 3,
                        int max_distance = 80);
+
+/// What `camera` would see from T_N_C if every pixel's light came from image `from`, given the
+/// ranges along its unit rays (`depth`, CV_32FC1 [m], 0: unknown); 0 where `from` does not see the
+/// point. Against the real image it shows what any renderer can reach at best: noise, blur and
+/// exposure of two photographs differ.
+cv::Mat WarpImage(const TrainingView& from,
+                  const Camera& camera,
+                  const Rigid3& T_N_C,
+                  const cv::Mat& depth);
 
 }  // namespace deja_view::nerf
