@@ -1,0 +1,19 @@
+#pragma once
+
+#include "deja_view/features/feature_extractor.hpp"
+#include "deja_view/views/view_renderer.hpp"
+#include "deja_view/views/virtual_view.hpp"
+
+namespace deja_view {
+
+/// Keypoints of a rendered view with their depth. Those whose pixel has less opacity than
+/// `min_opacity` are left out: there is nothing that a camera would see.
+///
+/// The depth is that of the keypoint's pixel. Its variance is the render's own there plus that of
+/// the depths in the 3 x 3 pixels around it: beside an edge in depth a corner may belong to either
+/// side. `view.image` is CV_8UC1.
+VirtualFeatures ExtractVirtualFeatures(const RenderedView& view,
+                                       const FeatureExtractor& extractor,
+                                       double min_opacity);
+
+}  // namespace deja_view

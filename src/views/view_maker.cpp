@@ -1,0 +1,138 @@
+#include "deja_view/views/view_maker.hpp"
+
+#include "deja_view/base/check.hpp"
+#include "deja_view/features/make_feature_extractor.hpp"
+#include "deja_view/views/virtual_features.hpp"
+
+#include <cmath>
+
+#include <opencv2/imgproc.hpp>
+
+namespace deja_view {
+namespace {
+
+cv::Mat ToMillimetres(const cv::Mat& depth) {
+  cv::Mat millimetres;
+  depth.convertTo(millimetres, CV_16U, 1000);  // saturates
+  return millimetres;
+}
+
+void Append(const char* group,
+            const std::vector<std::string>& from,
+            std::vector<std::string>* errors) {
+  for (const std::string& error : from) {
+    errors->push_back(std::string(group) + "." + error);
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> ViewOptions::Validate() const {
+  std::vector<std::string> errors;
+  Append("sources", sources.Validate(), &errors);
+  Append("sampling", sampling.Validate(), &errors);
+  Append("gate", gate.Validate(), &errors);
+  Append("rendering", rendering.Validate(), &errors);
+  Append("features", features.Validate(), &errors);
+  if (!(fit_scale >= 0.01 && fit_scale <= 1)) {
+    errors.push_back(fmt::format("fit_scale is {}: expected 0.01 to 1", fit_scale));
+  }
+  if (!(min_correlation >= -1 && min_correlation <= 1)) {
+    errors.push_back(fmt::format("min_correlation is {}: expected -1 to 1", min_correlation));
+  }
+  if (jpeg_quality < 1 || jpeg_quality > 100) {
+    errors.push_back(fmt::format("jpeg_quality is {}: expected 1 to 100", jpeg_quality));
+  }
+  return errors;
+}
+
+ViewMaker::ViewMaker(const ViewOptions& options,
+                     const ViewContent& content,
+                     std::shared_ptr<const Camera> camera,
+                     std::vector<Eigen::Vector3d> flown_N,
+                     std::uint64_t settings_hash)
+    : options_(options),
+      content_(content),
+      camera_(std::move(camera)),
+      gate_(options.gate, camera_, std::move(flown_N)),
+      upscaler_(options.rendering),
+      settings_hash_(settings_hash) {
+  DEJA_VIEW_CHECK(options.Validate().empty());
+  DEJA_VIEW_CHECK(content.image || content.features);
+  if (content.features) {
+    extractor_ = MakeFeatureExtractor(options.features);
+  }
+}
+
+ViewMaker::~ViewMaker() = default;
+
+MadeViews ViewMaker::Make(const ViewSource& source,
+                          const ViewRenderer& renderer,
+                          int threads) const {
+  DEJA_VIEW_CHECK(source.image.type() == CV_8UC1 && source.image.cols == camera_->width() &&
+                  source.image.rows == camera_->height());
+  MadeViews made;
+  made.fit = FitSourceExposure(
+      renderer, *camera_, source, options_.fit_scale, options_.gate.min_opacity, threads);
+  if (made.fit.correlation < options_.min_correlation) {
+    made.is_recognised = false;
+    return made;
+  }
+  ViewRenderOptions render_options{1, 0, threads};
+  if (options_.exposure == ViewExposure::kSource) {
+    render_options.gain = static_cast<float>(made.fit.gain);
+    render_options.bias = static_cast<float>(made.fit.bias);
+  }
+  const auto accept = [&](const Rigid3& T_C_V) {
+    const GateVerdict verdict = gate_.Judge(renderer, source.T_N_C, T_C_V);
+    made.not_free += verdict == GateVerdict::kNotFree ? 1 : 0;
+    made.uncertain += verdict == GateVerdict::kUncertain ? 1 : 0;
+    return verdict == GateVerdict::kAccepted;
+  };
+  for (const Rigid3& T_C_V : SampleViews(options_.sampling, source.stamp_ns, accept)) {
+    made.views.push_back(MakeView(
+        upscaler_.Render(renderer, *camera_, source.T_N_C * T_C_V, render_options), T_C_V));
+  }
+  for (std::size_t i = 0; i < made.views.size(); ++i) {
+    made.views[i].stamp_ns = source.stamp_ns;
+    made.views[i].index = static_cast<std::int32_t>(i);
+    made.views[i].count = static_cast<std::int32_t>(made.views.size());
+  }
+  return made;
+}
+
+VirtualView ViewMaker::MakeView(const RenderedView& rendered, const Rigid3& T_C_V) const {
+  VirtualView view;
+  view.T_C_V = T_C_V;
+  view.camera = camera_;
+  view.settings_hash = settings_hash_;
+  if (content_.image) {
+    view.image = rendered.image;
+  }
+  if (content_.features) {
+    view.features = ExtractVirtualFeatures(rendered, *extractor_, options_.gate.min_opacity);
+  }
+  if (content_.depth) {
+    view.depth_mm = ToMillimetres(rendered.depth);
+    view.certainty = CertaintyOf(rendered, options_.gate);
+  }
+  return view;
+}
+
+ExposureFit FitSourceExposure(const ViewRenderer& renderer,
+                              const Camera& camera,
+                              const ViewSource& source,
+                              double scale,
+                              double min_opacity,
+                              int threads) {
+  const std::unique_ptr<Camera> small_camera = camera.Scaled(scale);
+  RenderedView view = renderer.Render(*small_camera, source.T_N_C, {1, 0, threads});
+  if (view.image.channels() == 3) {
+    cv::cvtColor(view.image.clone(), view.image, cv::COLOR_BGR2GRAY);
+  }
+  cv::Mat real;
+  cv::resize(source.image, real, view.image.size(), 0, 0, cv::INTER_AREA);
+  return FitExposure(view.image, real, view.opacity, min_opacity);
+}
+
+}  // namespace deja_view

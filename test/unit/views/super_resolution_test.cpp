@@ -1,0 +1,125 @@
+#include "super_resolution.hpp"
+
+#include "deja_view/base/check.hpp"
+
+#include <cstring>
+#include <fstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+namespace deja_view {
+namespace {
+
+#ifdef DEJA_VIEW_HAVE_DNN
+
+// As much of protobuf's wire format as a small ONNX file needs.
+std::string Varint(std::uint64_t value) {
+  std::string bytes;
+  for (; value >= 0x80; value >>= 7U) {
+    bytes += static_cast<char>(value | 0x80U);
+  }
+  return bytes + static_cast<char>(value);
+}
+std::string Number(unsigned field, std::uint64_t value) {
+  return Varint(field << 3U) + Varint(value);
+}
+std::string Bytes(unsigned field, const std::string& bytes) {
+  return Varint(field << 3U | 2U) + Varint(bytes.size()) + bytes;
+}
+
+std::string IntsAttribute(const std::string& name, const std::vector<int>& values) {
+  std::string attribute = Bytes(1, name);
+  for (const int value : values) {
+    attribute += Number(8, static_cast<std::uint64_t>(value));
+  }
+  return Bytes(5, attribute + Number(20, 7));  // INTS
+}
+
+std::string TensorType(const std::string& name) {
+  std::string shape;
+  for (const int size : {1, 1, 30, 40}) {
+    shape += Bytes(1, Number(1, static_cast<std::uint64_t>(size)));
+  }
+  return Bytes(1, name) + Bytes(2, Bytes(1, Number(1, 1) + Bytes(2, shape)));
+}
+
+// A transposed convolution with `kernel` x `kernel` ones and that stride: every pixel becomes a
+// square.
+std::string MakeNetwork(int kernel) {
+  const std::vector<float> ones(static_cast<std::size_t>(kernel * kernel), 1.0F);
+  std::string raw(ones.size() * sizeof(float), '\0');
+  std::memcpy(raw.data(), ones.data(), raw.size());
+  const auto side = static_cast<std::uint64_t>(kernel);
+  const std::string weights = Number(1, 1) + Number(1, 1) + Number(1, side) + Number(1, side) +
+                              Number(2, 1) + Bytes(8, "w") + Bytes(9, raw);
+  const std::string node = Bytes(1, "x") + Bytes(1, "w") + Bytes(2, "y") +
+                           Bytes(4, "ConvTranspose") + IntsAttribute("strides", {kernel, kernel}) +
+                           IntsAttribute("kernel_shape", {kernel, kernel});
+  const std::string graph = Bytes(1, node) + Bytes(2, "squares") + Bytes(5, weights) +
+                            Bytes(11, TensorType("x")) +
+                            Bytes(12, TensorType("y"));
+  return Number(1, 7) + Bytes(7, graph) + Bytes(8, Bytes(1, "") + Number(2, 11));
+}
+
+std::string WriteNetwork(int kernel) {
+  const std::string path = ::testing::TempDir() + "deja_view_net" + std::to_string(::getpid()) +
+                           "_" + std::to_string(kernel) + ".onnx";
+  std::ofstream(path, std::ios::binary) << MakeNetwork(kernel);
+  return path;
+}
+
+cv::Mat MakeImage(cv::Size size) {
+  cv::Mat image(size, CV_8UC1);
+  for (int y = 0; y < size.height; ++y) {
+    for (int x = 0; x < size.width; ++x) {
+      image.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(3 * x + 5 * y);
+    }
+  }
+  return image;
+}
+
+TEST(SuperResolutionTest, RunsANetworkOnAnySize) {
+  internal::SuperResolution network(WriteNetwork(2));
+  for (const cv::Size half : {cv::Size(40, 30), cv::Size(17, 23)}) {
+    const cv::Mat image = MakeImage(half);
+    // One pixel more than twice the size: the last row and column are repeated.
+    const cv::Size size(2 * half.width + 1, 2 * half.height);
+    const cv::Mat whole = network.Double(image, size);
+    ASSERT_EQ(whole.size(), size);
+    ASSERT_EQ(whole.type(), CV_8UC1);
+    for (int y = 0; y < size.height; ++y) {
+      for (int x = 0; x < size.width; ++x) {
+        const int from = std::min(x / 2, half.width - 1);
+        EXPECT_EQ(whole.at<std::uint8_t>(y, x), image.at<std::uint8_t>(y / 2, from));
+      }
+    }
+  }
+}
+
+TEST(SuperResolutionTest, RefusesANetworkForAnotherFactor) {
+  const std::string path = WriteNetwork(3);
+  internal::SuperResolution network(path);
+  try {
+    network.Double(MakeImage({40, 30}), {80, 60});
+    FAIL() << "no InputError";
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.what(), ::testing::HasSubstr(path));
+    EXPECT_THAT(e.what(), ::testing::HasSubstr("120 x 90 px of 40 x 30: expected twice"));
+  }
+}
+
+#endif
+
+TEST(SuperResolutionTest, NamesAFileThatIsNoNetwork) {
+  try {
+    internal::SuperResolution network("/nowhere/net.onnx");
+    FAIL() << "no InputError";
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.what(), ::testing::HasSubstr("/nowhere/net.onnx"));
+  }
+}
+
+}  // namespace
+}  // namespace deja_view
