@@ -86,9 +86,22 @@ void BagReader::RequireTopic(const std::string& name, const std::vector<std::str
 std::int64_t BagReader::Read(
     const std::vector<std::string>& names,
     const std::function<void(const rosbag::MessageInstance&)>& visit) const {
+  return Visit([&](rosbag::View* view) { view->addQuery(*bag_, rosbag::TopicQuery(names)); },
+               visit);
+}
+
+std::int64_t BagReader::ReadAll(
+    const std::function<void(const rosbag::MessageInstance&)>& visit) const {
+  return Visit([this](rosbag::View* view) { view->addQuery(*bag_); }, visit);
+}
+
+std::int64_t BagReader::Visit(
+    const std::function<void(rosbag::View*)>& query,
+    const std::function<void(const rosbag::MessageInstance&)>& visit) const {
   std::int64_t count = 0;
   try {
-    rosbag::View view(*bag_, rosbag::TopicQuery(names));
+    rosbag::View view;
+    query(&view);
     for (const rosbag::MessageInstance& instance : view) {
       ++count;
       try {

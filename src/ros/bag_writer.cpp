@@ -38,6 +38,14 @@ BagWriter::~BagWriter() {
   fs::remove(temporary_, error);
 }
 
+void BagWriter::Copy(const rosbag::MessageInstance& instance) {
+  try {
+    bag_.write(instance.getTopic(), instance.getTime(), instance, instance.getConnectionHeader());
+  } catch (const rosbag::BagException& e) {
+    ThrowUnwritable(e.what());
+  }
+}
+
 void BagWriter::Close() {
   DEJA_VIEW_CHECK(is_open_);
   try {

@@ -6,34 +6,12 @@
 #include <utility>
 #include <vector>
 
+#include "safe_name.hpp"
+
 namespace deja_view {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::size_t kMaxNameLength = 128;
-
-// The name for an error message: what can't be printed is shown as '?'.
-std::string Printable(const std::string& name) {
-  std::string text = name.substr(0, kMaxNameLength);
-  std::replace_if(
-      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, '?');
-  return text;
-}
-
-void CheckName(const std::string& name) {
-  const auto is_forbidden = [](unsigned char c) {
-    return c < 0x20 || c == 0x7F || c == '/' || c == '\\';
-  };
-  if (name.empty() || name.size() > kMaxNameLength || name.front() == '.' ||
-      std::any_of(name.begin(), name.end(), is_forbidden)) {
-    ThrowInputError(
-        "map name '{}': expected 1 to {} bytes without '/', '\\' and control characters, not "
-        "starting with '.'",
-        Printable(name),
-        kMaxNameLength);
-  }
-}
 
 void CheckNoLink(const fs::path& path, const std::string& name) {
   std::error_code error;
@@ -48,7 +26,7 @@ void CheckNoLink(const fs::path& path, const std::string& name) {
 MapDirectory::MapDirectory(fs::path root) : root_(std::move(root)) {}
 
 fs::path MapDirectory::Resolve(const std::string& name) const {
-  CheckName(name);
+  internal::CheckName("map", name);
   const fs::path path = root_ / name;
   CheckNoLink(path, name);
   std::error_code error;

@@ -1,39 +1,12 @@
 #include "deja_view/ros/node_parameters.hpp"
 
-#include "deja_view/base/check.hpp"
+#include "parameters.hpp"
 
 namespace deja_view {
-namespace {
-
-template <typename T>
-T Read(const ros::NodeHandle& handle,
-       const std::string& name,
-       const T& fallback,
-       const char* type) {
-  T value = fallback;
-  if (handle.hasParam(name) && !handle.getParam(name, value)) {
-    ThrowInputError("parameter {}: expected {}", handle.resolveName(name), type);
-  }
-  return value;
-}
-
-std::string ReadText(const ros::NodeHandle& handle,
-                     const std::string& name,
-                     const std::string& fallback = {}) {
-  return Read<std::string>(handle, name, fallback, "text");
-}
-
-std::string ReadRequired(const ros::NodeHandle& handle, const std::string& name) {
-  std::string value = ReadText(handle, name);
-  if (value.empty()) {
-    ThrowInputError("parameter {} is missing: expected a file", handle.resolveName(name));
-  }
-  return value;
-}
-
-}  // namespace
 
 NodeParameters ReadNodeParameters(const ros::NodeHandle& handle) {
+  using internal::ReadRequired;
+  using internal::ReadText;
   NodeParameters p;
   p.config_file = ReadRequired(handle, "config_file");
   p.vocabulary_file = ReadRequired(handle, "vocabulary_file");
@@ -42,7 +15,8 @@ NodeParameters ReadNodeParameters(const ros::NodeHandle& handle) {
   p.output_directory = ReadText(handle, "output_directory");
   p.load_map_at_start = ReadText(handle, "load_map_at_start");
   p.save_map_at_end = ReadText(handle, "save_map_at_end");
-  p.compressed_images = Read<bool>(handle, "compressed_images", false, "true or false");
+  p.compressed_images =
+      internal::ReadParameter<bool>(handle, "compressed_images", false, "true or false");
   p.vins_namespace = ReadText(handle, "vins_namespace", "/pose_graph");
   p.topics.image = ReadText(handle, "topics/image");
   const auto read_topic = [&handle](const char* name, std::string* topic) {

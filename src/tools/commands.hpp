@@ -14,6 +14,7 @@ void AddNerfCommand(CLI::App& app, Command* command);
 void AddReplayCommand(CLI::App& app, Command* command);
 void AddReportCommand(CLI::App& app, Command* command);
 void AddSimulateCommand(CLI::App& app, Command* command);
+void AddViewsCommand(CLI::App& app, Command* command);
 void AddVocabularyCommand(CLI::App& app, Command* command);
 
 }  // namespace deja_view

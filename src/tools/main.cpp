@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
   deja_view::Command command;
 #ifdef DEJA_VIEW_WITH_ROS
   deja_view::AddReplayCommand(app, &command);
+  deja_view::AddViewsCommand(app, &command);
 #endif
   deja_view::AddNerfCommand(app, &command);
   deja_view::AddReportCommand(app, &command);

@@ -10,9 +10,9 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdlib>
 #include <utility>
 
+#include "shared_files.hpp"
 #include <fmt/format.h>
 #include <sys/resource.h>
 
@@ -153,23 +153,7 @@ void Judge(const ReplayRequest& request, const Rigid3& T_B_C, ReplayResult* resu
 }  // namespace
 
 fs::path DefaultVocabulary(const std::string& descriptor_name) {
-  std::vector<fs::path> directories;
-  if (const char* share = std::getenv("DEJA_VIEW_SHARE")) {
-    directories.emplace_back(share);
-  }
-  directories.emplace_back(DEJA_VIEW_SOURCE_CONFIG);
-  directories.emplace_back(DEJA_VIEW_INSTALLED_CONFIG);
-  for (const fs::path& directory : directories) {
-    fs::path file = directory / "vocabulary" / (descriptor_name + ".dvv");
-    if (fs::exists(file)) {
-      return file;
-    }
-  }
-  ThrowInputError(
-      "no vocabulary {}.dvv under {}, {} or $DEJA_VIEW_SHARE: name one with --vocabulary",
-      descriptor_name,
-      DEJA_VIEW_SOURCE_CONFIG,
-      DEJA_VIEW_INSTALLED_CONFIG);
+  return FindSharedFile("vocabulary/" + descriptor_name + ".dvv");
 }
 
 ReplayResult RunReplay(const ReplayRequest& request) {

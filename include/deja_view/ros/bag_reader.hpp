@@ -13,7 +13,8 @@
 
 namespace rosbag {
 class Bag;
-}
+class View;
+}  // namespace rosbag
 
 namespace deja_view {
 
@@ -49,7 +50,12 @@ class BagReader {
   std::int64_t Read(const std::vector<std::string>& names,
                     const std::function<void(const rosbag::MessageInstance&)>& visit) const;
 
+  /// As Read, for the messages of all topics.
+  std::int64_t ReadAll(const std::function<void(const rosbag::MessageInstance&)>& visit) const;
+
  private:
+  std::int64_t Visit(const std::function<void(rosbag::View*)>& query,
+                     const std::function<void(const rosbag::MessageInstance&)>& visit) const;
   [[noreturn]] void ThrowDamaged(const std::string& what) const;
 
   std::filesystem::path path_;

@@ -9,6 +9,7 @@
 #include <string>
 
 #include <rosbag/bag.h>
+#include <rosbag/message_instance.h>
 
 namespace deja_view {
 
@@ -33,6 +34,10 @@ class BagWriter {
       ThrowUnwritable(e.what());
     }
   }
+
+  /// Appends a message of another bag as it is: bytes, type, time and what is known of its
+  /// publisher.
+  void Copy(const rosbag::MessageInstance& instance);
 
   /// Writes the index and renames the bag into place.
   void Close();

@@ -2,6 +2,7 @@
 #include "deja_view/io/options_yaml.hpp"
 #include "deja_view/io/vins_config.hpp"
 #include "deja_view/ros/loop_fusion_options.hpp"
+#include "deja_view/views/view_maker.hpp"
 #include "deja_view/vocabulary/vocabulary.hpp"
 
 #include <filesystem>
@@ -19,6 +20,14 @@ const fs::path kConfig = DEJA_VIEW_SOURCE_CONFIG;
 TEST(ShippedConfigTest, OptionsAreTheDefaults) {
   EXPECT_EQ(OptionsToYaml(ReadOptions<LoopFusionOptions>(kConfig / "loop_fusion.yaml")),
             OptionsToYaml(LoopFusionOptions()));
+}
+
+TEST(ShippedConfigTest, ViewPresetsLoad) {
+  const auto paper = ReadOptions<ViewOptions>(kConfig / "views_paper.yaml");
+  EXPECT_EQ(paper.sampling.radius_m, 0.02);
+  const auto wide = ReadOptions<ViewOptions>(kConfig / "views_wide.yaml");
+  EXPECT_EQ(wide.sampling.rotation_deg, 30);
+  EXPECT_EQ(wide.sources.against, SourceSpacing::kAll);
 }
 
 /// Counts how often a field is visited, whatever it is.
@@ -76,6 +85,7 @@ TEST(ShippedConfigTest, EveryFileIsTested) {
     const std::string extension = entry.path().extension().string();
     const bool is_known = entry.is_directory() || extension == ".md" || extension == ".rviz" ||
                           name == "loop_fusion.yaml" || name == "euroc.yaml" ||
+                          name == "views_paper.yaml" || name == "views_wide.yaml" ||
                           name == "brief_pattern.yml" || name == "brief.dvv" || name == "orb.dvv";
     EXPECT_TRUE(is_known) << entry.path() << " needs a test here";
   }

@@ -1,0 +1,88 @@
+#pragma once
+
+#include "deja_view/ros/view_sources.hpp"
+#include "deja_view/ros/view_store.hpp"
+#include "deja_view/views/depth_warp_renderer.hpp"
+#include "deja_view/views/view_maker.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace deja_view {
+
+/// Topics of the virtual views.
+struct ViewTopics {
+  std::string frame = "/virtual_cam0/frame";        ///< deja_view/VirtualFrame
+  std::string settings = "/virtual_cam0/settings";  ///< std_msgs/String, once: what made them
+  std::string image = "/virtual_cam0/image_raw";    ///< the plain topics
+  std::string camera_info = "/virtual_cam0/camera_info";
+  std::string pose = "/virtual_cam0/pose";
+};
+
+/// One of `count` equal shares of the work.
+struct ViewShard {
+  int index = 0;
+  int count = 1;
+};
+
+/// From a bag to the same bag with virtual views.
+struct ViewJob {
+  std::filesystem::path bag;
+  std::filesystem::path out;
+  VioTopics topics;
+  SourceKind sources = SourceKind::kAuto;
+  std::shared_ptr<const Camera> camera;
+  Rigid3 T_B_C;
+  Trajectory T_N_B;
+  ViewOptions options;
+  ViewContent content;
+  std::string settings;  ///< all that decides what the views look like, as text; goes to the bag
+  ViewShard shard;       ///< of more than one: only the share's views are written, for MergeViews
+  bool plain_topics = false;  ///< also Image, CameraInfo and PoseStamped, for rqt and RViz
+  bool resume = true;         ///< use finished results of the same settings
+  int threads = 0;
+};
+
+/// What was made.
+struct ViewReport {
+  std::int64_t images = 0;        ///< with a pose
+  std::int64_t without_pose = 0;  ///< images
+  std::int64_t sources = 0;       ///< images that were to get views, of this share
+  std::int64_t resumed = 0;       ///< sources whose results were there already
+  std::int64_t not_recognised = 0;
+  std::int64_t views = 0;
+  std::int64_t not_free = 0;
+  std::int64_t uncertain = 0;
+  std::int64_t bytes = 0;              ///< of all VirtualFrame messages
+  std::vector<double> source_s;        ///< time per source
+  std::vector<double> source_psnr_db;  ///< renders at the sources' own poses, small
+};
+
+/// The renderer for one source image; `points` are the VIO's, projected to it.
+using ViewRendererFactory = std::function<std::shared_ptr<const ViewRenderer>(
+    const ViewSource& source, const std::vector<RangeSample>& points)>;
+
+/// Renders the views of a bag's images and writes the new bag: all messages of the old one, byte
+/// for byte, and the views right behind their source images, 1 ns apart. What is finished is kept
+/// in the directory `out`.work until the bag is whole. `on_progress(done, total)` is called after
+/// each source and may throw to interrupt. The same job gives the same file, however often it was
+/// interrupted.
+///
+/// Throws InputError for bad input, and when no source image at all is recognised: the poses are
+/// then not in the model's frame.
+ViewReport RenderViews(const ViewJob& job,
+                       const ViewRendererFactory& make_renderer,
+                       const std::function<void(std::size_t done, std::size_t total)>& on_progress);
+
+/// Puts the shares together: gives the same file as RenderViews in one run. Throws InputError when
+/// a part is missing or given twice, or when they were made with different settings or of another
+/// bag.
+ViewReport MergeViews(const std::filesystem::path& bag,
+                      const std::vector<std::filesystem::path>& parts,
+                      const std::filesystem::path& out);
+
+}  // namespace deja_view

@@ -1,0 +1,309 @@
+#include "deja_view/ros/view_bag.hpp"
+
+#include "deja_view/base/check.hpp"
+#include "deja_view/camera/camera_parameters.hpp"
+#include "deja_view/io/config_node.hpp"
+#include "deja_view/ros/bag_writer.hpp"
+#include "deja_view/ros/virtual_frame_conversion.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <set>
+#include <utility>
+
+#include "view_messages.hpp"
+
+#include <ros/serialization.h>
+#include <std_msgs/String.h>
+
+namespace deja_view {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+std::vector<SourceImage> ShareOf(const std::vector<SourceImage>& images, const ViewShard& shard) {
+  std::vector<SourceImage> share;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    if (i % static_cast<std::size_t>(shard.count) == static_cast<std::size_t>(shard.index)) {
+      share.push_back(images[i]);
+    }
+  }
+  return share;
+}
+
+// Of all that decides about the views but the images' content.
+std::uint64_t HashJob(const ViewJob& job,
+                      const BagReader& bag,
+                      const std::vector<SourceImage>& images) {
+  std::string text = job.settings;
+  for (const BagReader::Topic& topic : bag.topics()) {
+    text += fmt::format("{} {} {}\n", topic.name, topic.type, topic.messages);
+  }
+  const CameraParameters camera = DescribeCamera(*job.camera);
+  text += fmt::format("{} {} {} {} {}\n",
+                      camera.model,
+                      camera.width,
+                      camera.height,
+                      fmt::join(camera.distortion, " "),
+                      fmt::join(camera.projection, " "));
+  text += fmt::format("{} {} {} {}\n",
+                      job.topics.image,
+                      job.content.image,
+                      job.content.features,
+                      job.content.depth);
+  for (const SourceImage& image : images) {
+    const Rigid3& T = image.T_N_C;
+    text += fmt::format("{} {} {} {} {} {} {} {}\n",
+                        image.stamp_ns,
+                        T.t.x(),
+                        T.t.y(),
+                        T.t.z(),
+                        T.q.w(),
+                        T.q.x(),
+                        T.q.y(),
+                        T.q.z());
+  }
+  return HashText(text);
+}
+
+// Makes and stores the views of one image.
+void MakeOne(const ViewJob& job,
+             const ViewMaker& maker,
+             const ViewRendererFactory& make_renderer,
+             const LoadedSource& loaded,
+             const ViewStore& store) {
+  const auto start = Clock::now();
+  const auto renderer = make_renderer(loaded.source, loaded.points);
+  const MadeViews made = maker.Make(loaded.source, *renderer, job.threads);
+  SourceResult result;
+  result.stamp_ns = loaded.source.stamp_ns;
+  result.recorded_ns = loaded.recorded_ns;
+  for (const VirtualView& view : made.views) {
+    result.frames.push_back(
+        ToVirtualFrame(view, loaded.frame_id, {ImageFormat::kJpeg, job.options.jpeg_quality}));
+  }
+  result.is_recognised = made.is_recognised;
+  result.not_free = made.not_free;
+  result.uncertain = made.uncertain;
+  result.fit = made.fit;
+  result.elapsed_s = std::chrono::duration<double>(Clock::now() - start).count();
+  store.Write(result);
+}
+
+void Count(const SourceResult& result, ViewReport* report) {
+  report->not_recognised += result.is_recognised ? 0 : 1;
+  report->views += static_cast<std::int64_t>(result.frames.size());
+  report->not_free += result.not_free;
+  report->uncertain += result.uncertain;
+  for (const VirtualFrame& frame : result.frames) {
+    report->bytes += ros::serialization::serializationLength(frame);
+  }
+  report->source_s.push_back(result.elapsed_s);
+  report->source_psnr_db.push_back(result.fit.psnr_db);
+}
+
+void CheckRecognised(const ViewReport& report, const fs::path& bag) {
+  if (report.sources > 0 && report.not_recognised == report.sources) {
+    ThrowInputError(
+        "{}: the model shows something else at the poses of all {} images: expected poses in the "
+        "frame that it was trained in, or min_correlation below what they have",
+        bag.string(),
+        report.sources);
+  }
+}
+
+// A bag of the share's views alone.
+void WritePart(const fs::path& path,
+               const ViewJob& job,
+               std::uint64_t job_hash,
+               const std::vector<SourceImage>& share,
+               const ViewStore& store,
+               ViewReport* report) {
+  const ViewTopics topics;
+  BagWriter bag(path);
+  std_msgs::String label;
+  label.data = internal::FormatLabel({job.shard, job_hash, job.settings});
+  bag.Write(topics.settings, 1, label);
+  for (const SourceImage& image : share) {
+    const std::optional<SourceResult> result = store.Read(image.stamp_ns);
+    if (!result) {
+      ThrowInputError("{}: the finished views of stamp {} ns are gone or damaged: run again",
+                      path.string(),
+                      image.stamp_ns);
+    }
+    internal::WriteViews(*result, topics, job.plain_topics, &bag);
+    Count(*result, report);
+  }
+  CheckRecognised(*report, job.bag);
+  bag.Close();
+}
+
+// One share of the views, read back.
+struct Part {
+  std::unique_ptr<BagReader> bag;
+  internal::PartLabel label;
+  std::vector<rosbag::MessageInstance> messages;
+};
+
+Part ReadPart(const fs::path& path) {
+  const ViewTopics topics;
+  Part part;
+  part.bag = std::make_unique<BagReader>(path);
+  part.bag->RequireTopic(topics.settings, {"std_msgs/String"});
+  part.bag->ReadAll([&part, &topics, &path](const rosbag::MessageInstance& instance) {
+    if (instance.getTopic() == topics.settings) {
+      part.label =
+          internal::ParseLabel(Instantiate<std_msgs::String>(instance)->data, path.string());
+    } else {
+      part.messages.push_back(instance);
+    }
+  });
+  return part;
+}
+
+void CheckParts(const std::vector<Part>& parts, const std::vector<fs::path>& paths) {
+  std::set<int> indices;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const internal::PartLabel& label = parts[i].label;
+    const internal::PartLabel& first = parts.front().label;
+    if (label.job_hash != first.job_hash || label.settings != first.settings ||
+        label.shard.count != first.shard.count) {
+      ThrowInputError(
+          "{}: made of another bag, with other settings or another number of parts "
+          "than {}",
+          paths[i].string(),
+          paths.front().string());
+    }
+    if (!indices.insert(label.shard.index).second) {
+      ThrowInputError("{}: part {} of {} is given twice",
+                      paths[i].string(),
+                      label.shard.index,
+                      label.shard.count);
+    }
+  }
+  const int count = parts.front().label.shard.count;
+  for (int i = 0; i < count; ++i) {
+    if (indices.count(i) == 0) {
+      ThrowInputError(
+          "{}: part {} of {} is missing among those given", paths.front().string(), i, count);
+    }
+  }
+}
+
+std::vector<const rosbag::MessageInstance*> SortByTime(const std::vector<Part>& parts) {
+  std::vector<const rosbag::MessageInstance*> messages;
+  for (const Part& part : parts) {
+    for (const rosbag::MessageInstance& message : part.messages) {
+      messages.push_back(&message);
+    }
+  }
+  std::stable_sort(messages.begin(), messages.end(), [](const auto* a, const auto* b) {
+    return a->getTime() < b->getTime();
+  });
+  return messages;
+}
+
+}  // namespace
+
+ViewReport RenderViews(
+    const ViewJob& job,
+    const ViewRendererFactory& make_renderer,
+    const std::function<void(std::size_t done, std::size_t total)>& on_progress) {
+  DEJA_VIEW_CHECK(job.shard.count >= 1 && job.shard.index >= 0 &&
+                  job.shard.index < job.shard.count);
+  const BagReader bag(job.bag);
+  const SourceImages all = FindSourceImages(bag, job.topics, job.sources, job.T_N_B, job.T_B_C);
+  const std::vector<SourceImage> selected = SelectSourceImages(all.images, job.options.sources);
+  const std::vector<SourceImage> share = ShareOf(selected, job.shard);
+  const std::uint64_t job_hash = HashJob(job, bag, selected);
+
+  ViewReport report;
+  report.images = static_cast<std::int64_t>(all.images.size());
+  report.without_pose = all.without_pose;
+  report.sources = static_cast<std::int64_t>(share.size());
+  const fs::path work = job.out.string() + ".work";
+  const ViewStore store(work, job_hash);
+  std::vector<SourceImage> missing;
+  for (const SourceImage& image : share) {
+    if (!job.resume || !store.Read(image.stamp_ns)) {
+      missing.push_back(image);
+    }
+  }
+  report.resumed = static_cast<std::int64_t>(share.size() - missing.size());
+  on_progress(share.size() - missing.size(), share.size());
+
+  std::vector<Eigen::Vector3d> flown_N;
+  for (const SourceImage& image : all.images) {
+    flown_N.push_back(image.T_N_C.t);
+  }
+  const ViewMaker maker(
+      job.options, job.content, job.camera, std::move(flown_N), HashText(job.settings));
+  std::size_t done = share.size() - missing.size();
+  ReadSourceImages(
+      bag, job.topics, *job.camera, job.T_B_C, missing, [&](const LoadedSource& loaded) {
+        MakeOne(job, maker, make_renderer, loaded, store);
+        on_progress(++done, share.size());
+      });
+
+  const bool is_whole = job.shard.count == 1;
+  const fs::path part = is_whole ? work / "views.bag" : job.out;
+  WritePart(part, job, job_hash, share, store, &report);
+  if (is_whole) {
+    MergeViews(job.bag, {part}, job.out);
+    std::error_code error;
+    fs::remove(part, error);
+  }
+  store.Remove();
+  return report;
+}
+
+ViewReport MergeViews(const fs::path& bag,
+                      const std::vector<fs::path>& part_paths,
+                      const fs::path& out) {
+  DEJA_VIEW_CHECK(!part_paths.empty());
+  const ViewTopics topics;
+  const BagReader reader(bag);
+  if (reader.HasTopic(topics.frame)) {
+    ThrowInputError("{}: has virtual views on {} already: expected the bag of a flight",
+                    bag.string(),
+                    topics.frame);
+  }
+  std::vector<Part> parts;
+  for (const fs::path& path : part_paths) {
+    parts.push_back(ReadPart(path));
+  }
+  CheckParts(parts, part_paths);
+  const std::vector<const rosbag::MessageInstance*> messages = SortByTime(parts);
+
+  ViewReport report;
+  BagWriter writer(out);
+  auto next = messages.begin();
+  const auto copy_next = [&] {
+    if ((*next)->getTopic() == topics.frame) {
+      ++report.views;
+      report.bytes += (*next)->size();
+    }
+    writer.Copy(**next++);
+  };
+  bool is_first = true;
+  reader.ReadAll([&](const rosbag::MessageInstance& instance) {
+    if (is_first) {
+      std_msgs::String settings;
+      settings.data = parts.front().label.settings;
+      writer.Write(topics.settings, ToNanoseconds(instance.getTime()), settings);
+      is_first = false;
+    }
+    while (next != messages.end() && (*next)->getTime() < instance.getTime()) {
+      copy_next();
+    }
+    writer.Copy(instance);
+  });
+  while (next != messages.end()) {
+    copy_next();
+  }
+  writer.Close();
+  return report;
+}
+
+}  // namespace deja_view

@@ -1,0 +1,168 @@
+#include "views_command.hpp"
+
+#include "deja_view/base/atomic_file.hpp"
+
+#include <iostream>
+#include <memory>
+
+#include "commands.hpp"
+#include "interrupt.hpp"
+#include <fmt/format.h>
+
+namespace deja_view {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+void PrintFigures(const Json& json) {
+  for (const auto& [key, value] : json.items()) {
+    std::cout << fmt::format("{:<18} {}\n", key, value.dump());
+  }
+}
+
+void PrintMatches(const Json& json) {
+  std::cout << "per view          views  visible  matched  correct  precision  render [ms]\n";
+  for (const auto& [key, value] : json.items()) {
+    if (value.is_object()) {
+      std::cout << fmt::format("{:<16} {:>6} {:>8.1f} {:>8.1f} {:>8.1f} {:>10.3f} {:>12.1f}\n",
+                               key,
+                               value["views"].get<int>(),
+                               value["visible"].get<double>(),
+                               value["matched"].get<double>(),
+                               value["correct"].get<double>(),
+                               value["precision"].get<double>(),
+                               value["render_ms_median"].get<double>());
+    }
+  }
+  std::cout << fmt::format("{} images, {} not recognised\n",
+                           json["images"].get<int>(),
+                           json["not_recognised"].get<int>());
+}
+
+template <typename Run>
+Command Reporting(std::shared_ptr<std::string> json_file, Run run, void (*print)(const Json&)) {
+  return [json_file, run, print] {
+    Json json;
+    try {
+      json = run();
+    } catch (const Interrupted& e) {
+      std::cerr << "deja_view: " << e.what() << "; the same command goes on from here\n";
+      return 130;
+    }
+    if (!json_file->empty()) {
+      WriteFileAtomically(*json_file, [&](std::ostream& out) { out << json.dump(2) << "\n"; });
+    }
+    print(json);
+    return 0;
+  };
+}
+
+void AddInputOptions(CLI::App* sub, ViewsInput* input) {
+  sub->add_option("--bag", input->bag, "Bag with images, and VINS-Mono's keyframes if any")
+      ->required()
+      ->check(CLI::ExistingFile);
+  sub->add_option("--camera", input->camera, "Camera YAML, as VINS-Mono's")
+      ->required()
+      ->check(CLI::ExistingFile);
+  sub->add_option(
+         "--poses", input->poses, "Poses in the model's frame: TUM file, or topic of the bag")
+      ->required();
+  sub->add_option("--poses-of", input->poses_of, "What the poses are of")
+      ->check(CLI::IsMember({"body", "camera"}))
+      ->capture_default_str();
+  sub->add_option("--model", input->model, "Radiance field, as `deja_view nerf train` writes it")
+      ->check(CLI::ExistingFile);
+  sub->add_option(
+         "--preset", input->preset, "paper, wide, or a YAML file like config/views_paper.yaml")
+      ->capture_default_str();
+  sub->add_option("--set", input->overrides, "Override of the preset: group.key=value")->take_all();
+  sub->add_option("--image-topic", input->image_topic, "Images; the camera YAML's without");
+  sub->add_option("--sources", input->sources, "Images that may get views; auto: keyframes if any")
+      ->check(CLI::IsMember({"auto", "keyframes", "images"}))
+      ->capture_default_str();
+  sub->add_option("--threads", input->threads, "Threads; 0: all cores")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  sub->add_flag_callback(
+      "--quiet", [input] { input->show_progress = false; }, "No progress");
+}
+
+void AddRender(CLI::App* views, Command* command) {
+  CLI::App* sub = views->add_subcommand("render", "Add virtual views to a bag");
+  auto request = std::make_shared<ViewsRenderRequest>();
+  auto json_file = std::make_shared<std::string>();
+  AddInputOptions(sub, &request->input);
+  sub->add_option(
+         "--renderer", request->renderer, "nerf, or warp: the image itself by the VIO's points")
+      ->check(CLI::IsMember({"nerf", "warp"}))
+      ->capture_default_str();
+  sub->add_option("--content", request->content, "What a view carries")
+      ->check(CLI::IsMember({"image", "features", "both"}))
+      ->capture_default_str();
+  sub->add_flag("--depth", request->depth, "Also depth and certainty per pixel");
+  sub->add_flag("--plain-topics", request->plain_topics, "Also Image, CameraInfo and PoseStamped");
+  sub->add_option("--shard", request->shard, "Render part i of n, to be merged: i/n")
+      ->capture_default_str();
+  sub->add_flag_callback(
+      "--no-resume", [request] { request->resume = false; }, "Make finished views anew");
+  sub->add_option("--out", request->out, "Bag to write")->required();
+  sub->add_option("--json", *json_file, "File for the figures");
+  sub->footer(
+      "Unfinished work is kept in OUT.work; the same command goes on from there.\n"
+      "Example:\n  deja_view views render --bag hall.bag --camera euroc.yaml --poses truth.txt "
+      "--model hall.dvn --preset wide --out hall_views.bag");
+  sub->callback([=] {
+    *command = Reporting(
+        json_file, [request] { return RunViewsRender(*request); }, PrintFigures);
+  });
+}
+
+void AddMerge(CLI::App* views, Command* command) {
+  CLI::App* sub = views->add_subcommand("merge", "Put the parts of views render --shard together");
+  auto request = std::make_shared<ViewsMergeRequest>();
+  auto json_file = std::make_shared<std::string>();
+  sub->add_option("--bag", request->bag, "The bag that views were rendered for")
+      ->required()
+      ->check(CLI::ExistingFile);
+  sub->add_option("parts", request->parts, "Bags of all shards, in any order")
+      ->required()
+      ->check(CLI::ExistingFile);
+  sub->add_option("--out", request->out, "Bag to write")->required();
+  sub->add_option("--json", *json_file, "File for the figures");
+  sub->callback([=] {
+    *command = Reporting(
+        json_file, [request] { return RunViewsMerge(*request); }, PrintFigures);
+  });
+}
+
+void AddCheck(CLI::App* views, Command* command) {
+  CLI::App* sub =
+      views->add_subcommand("check", "Count correct matches between images and their views");
+  auto request = std::make_shared<ViewsCheckRequest>();
+  auto json_file = std::make_shared<std::string>();
+  AddInputOptions(sub, &request->input);
+  sub->get_option("--model")->required();
+  sub->add_option("--images", request->images, "Images, spread over the flight")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  sub->add_option("--fsrcnn", request->network, "Network to upscale with, e.g. FSRCNN_x2.pb")
+      ->check(CLI::ExistingFile);
+  sub->add_option("--json", *json_file, "File for the figures");
+  sub->callback([=] {
+    *command = Reporting(
+        json_file, [request] { return RunViewsCheck(*request); }, PrintMatches);
+  });
+}
+
+}  // namespace
+
+void AddViewsCommand(CLI::App& app, Command* command) {
+  CLI::App* views =
+      app.add_subcommand("views", "Virtual views: render them into a bag, merge parts, check");
+  views->require_subcommand(1);
+  AddRender(views, command);
+  AddMerge(views, command);
+  AddCheck(views, command);
+}
+
+}  // namespace deja_view

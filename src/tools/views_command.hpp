@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace deja_view {
+
+/// What views are made of: a flight, its poses and a model of the scene.
+struct ViewsInput {
+  std::filesystem::path bag;
+  std::filesystem::path camera;  ///< VINS-Mono's YAML
+  std::string poses;             ///< a TUM file, or a topic of the bag
+  std::string poses_of = "body";
+  std::filesystem::path model;         ///< a radiance field
+  std::string preset = "paper";        ///< paper, wide or a ViewOptions file
+  std::vector<std::string> overrides;  ///< "group.key=value" on top
+  std::string image_topic;             ///< empty: the camera YAML's
+  std::string sources = "auto";        ///< SourceKind
+  int threads = 0;
+  bool show_progress = true;
+};
+
+/// What `deja_view views render` is told.
+struct ViewsRenderRequest {
+  ViewsInput input;
+  std::string renderer = "nerf";  ///< or warp, which needs no model
+  std::string content = "image";  ///< or features, or both
+  bool depth = false;
+  bool plain_topics = false;
+  bool resume = true;
+  std::string shard = "0/1";
+  std::filesystem::path out;
+};
+
+/// What `deja_view views merge` is told.
+struct ViewsMergeRequest {
+  std::filesystem::path bag;
+  std::vector<std::filesystem::path> parts;
+  std::filesystem::path out;
+};
+
+/// What `deja_view views check` is told.
+struct ViewsCheckRequest {
+  ViewsInput input;
+  int images = 40;                ///< spread over the flight
+  std::filesystem::path network;  ///< FSRCNN; empty: left out
+};
+
+/// Makes the bag; returns `images, without_pose, sources, resumed, not_recognised, views, not_free,
+/// uncertain, bytes_per_view, source_psnr_db, source_ms_median, wall_s, peak_rss_mb`.
+nlohmann::ordered_json RunViewsRender(const ViewsRenderRequest& request);
+
+/// Returns `views, bytes_per_view`.
+nlohmann::ordered_json RunViewsMerge(const ViewsMergeRequest& request);
+
+/// Matches real images with their virtual views (the paper's Fig. 6); returns per way of making
+/// them `views, visible, matched, correct, precision, render_ms_median`, and `images`.
+nlohmann::ordered_json RunViewsCheck(const ViewsCheckRequest& request);
+
+}  // namespace deja_view

@@ -1,0 +1,134 @@
+#include "deja_view/base/check.hpp"
+#include "deja_view/base/progress.hpp"
+#include "deja_view/io/options_yaml.hpp"
+
+#include <cstdio>
+#include <optional>
+
+#include "interrupt.hpp"
+#include "tool_figures.hpp"
+#include "views_command.hpp"
+#include "views_input.hpp"
+
+namespace deja_view {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+ViewShard ParseShard(const std::string& text) {
+  ViewShard shard;
+  int length = 0;
+  const int found = std::sscanf(text.c_str(), "%d/%d%n", &shard.index, &shard.count, &length);
+  if (found != 2 || static_cast<std::size_t>(length) != text.size() || shard.count < 1 ||
+      shard.count > 100000 || shard.index < 0 || shard.index >= shard.count) {
+    ThrowInputError("--shard {}: expected i/n with i from 0 to n - 1", text);
+  }
+  return shard;
+}
+
+ViewContent ParseContent(const ViewsRenderRequest& request) {
+  ViewContent content;
+  content.image = request.content != "features";
+  content.features = request.content != "image";
+  content.depth = request.depth;
+  return content;
+}
+
+// All that decides what the views look like, but the flight.
+std::string DescribeSettings(const ViewsRenderRequest& request, const ViewOptions& options) {
+  std::string text = fmt::format(
+      "renderer: {}\ncontent: {}\ndepth: {}\n", request.renderer, request.content, request.depth);
+  if (request.renderer == "nerf") {
+    text += fmt::format("model: {} {:016x}\n",
+                        request.input.model.filename().string(),
+                        HashFile(request.input.model));
+  }
+  return text + OptionsToYaml(options);
+}
+
+ViewRendererFactory MakeFactory(const ViewsRenderRequest& request, const ViewJob& job) {
+  if (request.renderer == "warp") {
+    return WarpFactory(job.camera);
+  }
+  if (request.input.model.empty()) {
+    ThrowInputError("--model is missing: expected a radiance field, or --renderer warp");
+  }
+  return [renderer = ReadModel(request.input.model)](
+             const ViewSource&, const std::vector<RangeSample>&) { return renderer; };
+}
+
+// A resumed run counts only what it still has to do, so that rate and time left are right.
+class SourceProgress {
+ public:
+  explicit SourceProgress(bool is_shown) : is_shown_(is_shown) {}
+
+  void Update(std::size_t done, std::size_t total) {
+    if (!is_shown_) {
+      return;
+    }
+    if (!progress_) {
+      first_ = done;
+      progress_.emplace("virtual views", "images", total - done);
+    }
+    done == total ? progress_->Finish(done - first_) : progress_->Update(done - first_);
+  }
+
+ private:
+  bool is_shown_;
+  std::size_t first_ = 0;
+  std::optional<Progress> progress_;
+};
+
+double PerView(const ViewReport& report) {
+  return report.views > 0 ? static_cast<double>(report.bytes) / static_cast<double>(report.views)
+                          : 0.0;
+}
+
+}  // namespace
+
+Json RunViewsRender(const ViewsRenderRequest& request) {
+  const auto start = Clock::now();
+  const Interrupt interrupt;
+  ViewJob job = ReadViewsInput(request.input);
+  job.out = request.out;
+  job.shard = ParseShard(request.shard);
+  job.content = ParseContent(request);
+  job.plain_topics = request.plain_topics;
+  job.resume = request.resume;
+  if (request.renderer == "warp") {
+    // An image does not show what is beside it: only its own path could be called free.
+    job.options.gate.free_space = false;
+  }
+  job.settings = DescribeSettings(request, job.options);
+  SourceProgress progress(request.input.show_progress);
+  const ViewReport report =
+      RenderViews(job, MakeFactory(request, job), [&](std::size_t done, std::size_t total) {
+        progress.Update(done, total);
+        interrupt.Check();
+      });
+  Json json;
+  json["images"] = report.images;
+  json["without_pose"] = report.without_pose;
+  json["sources"] = report.sources;
+  json["resumed"] = report.resumed;
+  json["not_recognised"] = report.not_recognised;
+  json["views"] = report.views;
+  json["not_free"] = report.not_free;
+  json["uncertain"] = report.uncertain;
+  json["bytes_per_view"] = PerView(report);
+  json["source_psnr_db"] = Mean(report.source_psnr_db);
+  json["source_ms_median"] = 1e3 * Median(report.source_s);
+  json["wall_s"] = SecondsSince(start);
+  json["peak_rss_mb"] = PeakRss_mb();
+  return json;
+}
+
+Json RunViewsMerge(const ViewsMergeRequest& request) {
+  const ViewReport report = MergeViews(request.bag, request.parts, request.out);
+  Json json;
+  json["views"] = report.views;
+  json["bytes_per_view"] = PerView(report);
+  return json;
+}
+
+}  // namespace deja_view

@@ -1,0 +1,76 @@
+#!/usr/bin/python3
+"""A flight is played to the rendering node: its virtual frames belong to real images and look like them."""
+
+import sys
+import unittest
+
+import cv2
+import numpy as np
+import rospy
+import rostest
+
+from deja_view.msg import VirtualFrame
+from deja_view.srv import NamedMap
+from flight import IMAGE, ODOMETRY, Flight, Recorder, wait_until
+
+FRAME = "/virtual_cam0/frame"
+VIEWS = 2
+
+
+def decode(frame):
+    return cv2.imdecode(np.frombuffer(bytes(frame.image), np.uint8), cv2.IMREAD_UNCHANGED)
+
+
+def correlation(a, b):
+    a, b = (cv2.GaussianBlur(image.astype(np.float64), (0, 0), 6).ravel() for image in (a, b))
+    return np.corrcoef(a, b)[0, 1]
+
+
+class NerfRenderTest(unittest.TestCase):
+    def load(self, name):
+        rospy.wait_for_service("/nerf_render/load_model", 20.0)
+        return rospy.ServiceProxy("/nerf_render/load_model", NamedMap)(name)
+
+    def test_views_of_a_flight(self):
+        flight = Flight(rospy.get_param("~flight"))
+        images = {
+            m.header.stamp: np.frombuffer(m.data, np.uint8).reshape(m.height, m.width)
+            for _, topic, m in flight.messages
+            if topic == IMAGE
+        }
+        frames = Recorder({FRAME: VirtualFrame})[FRAME]
+        for name in ("", "../models/room", "/etc/passwd", "nowhere"):
+            self.assertFalse(self.load(name).success, name)
+        answer = self.load("room")
+        self.assertTrue(answer.success, answer.message)
+
+        wait_until(
+            lambda: all(flight.publishers[t].get_num_connections() > 0 for t in (IMAGE, ODOMETRY)),
+            30.0,
+            "the node to subscribe",
+        )
+        flight.play(2.0)
+        wait_until(lambda: len(frames) >= 4 * VIEWS, 120.0, "virtual frames")
+        rospy.sleep(1.0)
+
+        correlations = []
+        for frame in list(frames):
+            self.assertIn(frame.header.stamp, images)
+            self.assertEqual(frame.view_count, VIEWS)
+            self.assertLess(frame.view_index, VIEWS)
+            p = frame.T_C_V.position
+            self.assertTrue(0.05 <= np.linalg.norm([p.x, p.y, p.z]) <= 0.1)
+            self.assertEqual(frame.descriptor, "brief")
+            self.assertEqual(len(frame.descriptors), 32 * len(frame.u))
+            self.assertEqual(len(frame.depth), len(frame.u))
+            view = decode(frame)
+            self.assertEqual(view.shape, (frame.height, frame.width))
+            correlations.append(correlation(view, images[frame.header.stamp]))
+        # Ten centimetres beside it a camera sees nearly the same.
+        self.assertGreater(np.median(correlations), 0.5)
+        self.assertEqual(len({frame.settings_hash for frame in frames}), 1)
+
+
+if __name__ == "__main__":
+    rospy.init_node("nerf_render_test")
+    rostest.rosrun("deja_view", "nerf_render_test", NerfRenderTest, sys.argv)

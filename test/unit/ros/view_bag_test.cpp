@@ -1,0 +1,317 @@
+#include "deja_view/ros/view_bag.hpp"
+
+#include "deja_view/camera/pinhole_camera.hpp"
+#include "deja_view/ros/virtual_frame_conversion.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <tuple>
+
+#include "bag_fixture.hpp"
+#include "room_renderer.hpp"
+#include <gmock/gmock.h>
+
+#include <sensor_msgs/CameraInfo.h>
+#include <std_msgs/String.h>
+
+namespace deja_view {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+constexpr int kImages = 6;
+
+struct Message {
+  std::int64_t time_ns = 0;
+  std::string topic;
+  std::string md5;
+  std::string bytes;
+
+  bool operator==(const Message& o) const {
+    return time_ns == o.time_ns && topic == o.topic && md5 == o.md5 && bytes == o.bytes;
+  }
+};
+
+class ViewBagTest : public BagTest {
+ protected:
+  ViewBagTest() {
+    job_.bag = WriteRoomFlight("flight.bag");
+    job_.out = Path("out.bag");
+    job_.camera = camera_;
+    job_.options.sampling.views = 2;
+    job_.options.sampling.radius_m = 0.5;
+    job_.options.sampling.min_radius_m = 0.2;
+    job_.options.sampling.spacing_max_m = 1;
+    job_.options.fit_scale = 0.5;
+    job_.settings = "room\n";
+    for (int i = 0; i < kImages; ++i) {
+      job_.T_N_B.stamps_ns.push_back(Stamp(i));
+      job_.T_N_B.poses.push_back(Pose(i));
+    }
+  }
+
+  static std::int64_t Stamp(int i) { return kStart + i * 100 * kMillisecond; }
+  static Rigid3 Pose(int i) { return {ExpSo3({0.1, 0.2, 0}), {-1 + 0.4 * i, 0.1 * i, 0}}; }
+
+  // Images 3 ms late, of which every other one is a keyframe, and other topics.
+  fs::path WriteRoomFlight(const std::string& name) {
+    const VioTopics topics;
+    BagWriter bag(Path(name));
+    for (int i = 0; i < kImages; ++i) {
+      const std::int64_t time = Stamp(i) + 3 * kMillisecond;
+      bag.Write("/imu0", time - 1, MakeOdometry(time - 1, i));
+      const cv::Mat image = RoomRenderer().Render(*camera_, Pose(i), {0.9F, 0.05F, 1}).image;
+      bag.Write(topics.image, time, ToImage(image, Stamp(i), "cam0"));
+      bag.Write("/imu0", time + kMillisecond, MakeOdometry(time, i));
+      if (i % 2 == 0) {
+        nav_msgs::Odometry pose = MakeOdometry(Stamp(i), 0);
+        pose.pose.pose = ToPose(Pose(i));
+        bag.Write(topics.keyframe_pose, time + 150 * kMillisecond, pose);
+        sensor_msgs::PointCloud points = MakePoints(Stamp(i), 1);
+        const Eigen::Vector3d p_W = Pose(i) * Eigen::Vector3d(0, 0, 1.5);
+        points.points[0].x = static_cast<float>(p_W.x());
+        points.points[0].y = static_cast<float>(p_W.y());
+        points.points[0].z = static_cast<float>(p_W.z());
+        bag.Write(topics.keyframe_point, time + 150 * kMillisecond, points);
+      }
+    }
+    bag.Close();
+    return Path(name);
+  }
+
+  ViewReport Run(const ViewJob& job) {
+    return RenderViews(job, RoomFactory(), [this](std::size_t done, std::size_t total) {
+      if (done >= interrupt_at_) {
+        throw std::runtime_error("interrupted");
+      }
+      EXPECT_LE(done, total);
+    });
+  }
+
+  ViewRendererFactory RoomFactory() {
+    return [this](const ViewSource&, const std::vector<RangeSample>& points) {
+      ++rendered_;
+      points_.insert(points_.end(), points.begin(), points.end());
+      return std::make_shared<RoomRenderer>();
+    };
+  }
+
+  static std::vector<Message> ReadMessages(const fs::path& path, bool is_virtual) {
+    std::vector<Message> messages;
+    BagReader(path).ReadAll([&](const rosbag::MessageInstance& m) {
+      if ((m.getTopic().find("/virtual") == 0) == is_virtual) {
+        std::string bytes(m.size(), '\0');
+        ros::serialization::OStream stream(reinterpret_cast<std::uint8_t*>(bytes.data()), m.size());
+        m.write(stream);
+        messages.push_back({ToNanoseconds(m.getTime()), m.getTopic(), m.getMD5Sum(), bytes});
+      }
+    });
+    // A bag has no order among messages of the same time.
+    std::sort(messages.begin(), messages.end(), [](const Message& a, const Message& b) {
+      return std::tie(a.time_ns, a.topic) < std::tie(b.time_ns, b.topic);
+    });
+    return messages;
+  }
+
+  static std::string Bytes(const fs::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  }
+
+  std::shared_ptr<const Camera> camera_ = std::make_shared<PinholeCamera>(
+      PinholeParameters{160, 120, 100, 100, 79.5, 59.5, -0.1, 0.01, 0, 0});
+  ViewJob job_;
+  std::size_t interrupt_at_ = 1000;
+  int rendered_ = 0;
+  std::vector<RangeSample> points_;
+};
+
+TEST_F(ViewBagTest, KeepsAllMessagesAndPutsViewsBehindTheirImages) {
+  const ViewReport report = Run(job_);
+  EXPECT_EQ(report.images, 3);  // keyframes
+  EXPECT_EQ(report.sources, 3);
+  EXPECT_EQ(report.views, 6);
+  EXPECT_GT(report.bytes, 6000);
+  EXPECT_TRUE(ReadMessages(job_.out, false) == ReadMessages(job_.bag, false));
+  EXPECT_FALSE(fs::exists(job_.out.string() + ".work"));
+
+  std::int64_t image_time = 0;
+  int frames = 0;
+  BagReader(job_.out).ReadAll([&](const rosbag::MessageInstance& m) {
+    if (m.getTopic() == VioTopics().image) {
+      image_time = ToNanoseconds(m.getTime());
+    }
+    if (m.getTopic() == ViewTopics().frame) {
+      const auto message = Instantiate<VirtualFrame>(m);
+      const VirtualView view = FromVirtualFrame(*message, m.getTopic());
+      EXPECT_EQ(view.stamp_ns, Stamp(frames / 2 * 2));
+      EXPECT_EQ(view.index, frames % 2);
+      EXPECT_EQ(view.count, 2);
+      EXPECT_EQ(message->header.frame_id, "cam0");
+      EXPECT_EQ(ToNanoseconds(m.getTime()), image_time + 1 + view.index);
+      const cv::Mat truth =
+          RoomRenderer()
+              .Render(*camera_, Pose(frames / 2 * 2) * view.T_C_V, {0.9F, 0.05F, 1})
+              .image;
+      EXPECT_LT(cv::norm(view.image, truth, cv::NORM_L1) / 19200, 3);
+      ++frames;
+    }
+    if (m.getTopic() == ViewTopics().settings) {
+      EXPECT_EQ(Instantiate<std_msgs::String>(m)->data, "room\n");
+    }
+  });
+  EXPECT_EQ(frames, 6);
+}
+
+TEST_F(ViewBagTest, AllImagesOrAFewOfThem) {
+  job_.sources = SourceKind::kImages;
+  job_.options.sources.every_m = 0.8;
+  const ViewReport report = Run(job_);
+  EXPECT_EQ(report.images, kImages);
+  EXPECT_EQ(report.sources, 3);  // 0.41 m apart
+  job_.T_N_B.stamps_ns.resize(2);
+  job_.T_N_B.poses.resize(2);
+  const ViewReport few = Run(job_);
+  EXPECT_EQ(few.images, 2);
+  EXPECT_EQ(few.without_pose, kImages - 2);
+  job_.T_N_B.stamps_ns = {1, 2};
+  EXPECT_THAT(ErrorOf([&] { Run(job_); }), HasSubstr("none of the 6 images"));
+}
+
+TEST_F(ViewBagTest, GoesOnWhereItWasKilled) {
+  Run(job_);
+  const std::string whole = Bytes(job_.out);
+  job_.out = Path("again.bag");
+  interrupt_at_ = 2;
+  rendered_ = 0;
+  EXPECT_THROW(Run(job_), std::runtime_error);
+  EXPECT_EQ(rendered_, 2);
+  EXPECT_FALSE(fs::exists(job_.out));
+  interrupt_at_ = 1000;
+  const ViewReport report = Run(job_);
+  EXPECT_EQ(report.resumed, 2);
+  EXPECT_EQ(report.views, 6);
+  EXPECT_EQ(rendered_, 3);
+  EXPECT_EQ(Bytes(job_.out), whole);
+  EXPECT_FALSE(fs::exists(job_.out.string() + ".work"));
+}
+
+TEST_F(ViewBagTest, StartsAnewWithOtherSettingsOrOnRequest) {
+  const auto resumed_after = [this](const std::function<void()>& change) {
+    interrupt_at_ = 2;
+    EXPECT_THROW(Run(job_), std::runtime_error);
+    interrupt_at_ = 1000;
+    change();
+    return Run(job_).resumed;
+  };
+  EXPECT_EQ(resumed_after([this] { job_.settings = "other\n"; }), 0);
+  EXPECT_EQ(resumed_after([this] { job_.T_N_B.poses[0].t.x() += 1e-9; }), 0);
+  EXPECT_EQ(resumed_after([this] { job_.content.depth = true; }), 0);
+  EXPECT_EQ(resumed_after([this] { job_.resume = false; }), 0);
+  job_.resume = true;
+  EXPECT_EQ(resumed_after([] {}), 2);
+}
+
+TEST_F(ViewBagTest, SharesMergeToTheSameFile) {
+  job_.sources = SourceKind::kImages;
+  Run(job_);
+  std::vector<fs::path> parts;
+  for (int i = 0; i < 3; ++i) {
+    ViewJob part = job_;
+    part.shard = {i, 3};
+    part.out = Path("part" + std::to_string(i) + ".bag");
+    EXPECT_EQ(Run(part).sources, 2);
+    parts.push_back(part.out);
+  }
+  const fs::path merged = Path("merged.bag");
+  const ViewReport report = MergeViews(job_.bag, {parts[2], parts[0], parts[1]}, merged);
+  EXPECT_EQ(report.views, 12);
+  EXPECT_EQ(Bytes(merged), Bytes(job_.out));
+
+  EXPECT_THAT(ErrorOf([&] {
+                MergeViews(job_.bag, {parts[0], parts[2]}, merged);
+              }),
+              HasSubstr("part 1 of 3 is missing"));
+  EXPECT_THAT(ErrorOf([&] {
+                MergeViews(job_.bag, {parts[0], parts[1], parts[0]}, merged);
+              }),
+              HasSubstr("part 0 of 3 is given twice"));
+  EXPECT_THAT(ErrorOf([&] { MergeViews(merged, parts, Path("x.bag")); }),
+              HasSubstr("has virtual views"));
+  EXPECT_THAT(ErrorOf([&] { MergeViews(job_.bag, {job_.bag}, Path("x.bag")); }),
+              HasSubstr("/virtual_cam0/settings"));
+  ViewJob other = job_;
+  other.settings = "other\n";
+  other.shard = {1, 3};
+  other.out = parts[1];
+  Run(other);
+  EXPECT_THAT(ErrorOf([&] { MergeViews(job_.bag, parts, Path("x.bag")); }),
+              HasSubstr("other settings"));
+  EXPECT_FALSE(fs::exists(Path("x.bag")));
+}
+
+TEST_F(ViewBagTest, RefusesPosesOfAnotherFrame) {
+  for (Rigid3& pose : job_.T_N_B.poses) {
+    pose.t.y() += 1.5;
+  }
+  EXPECT_THAT(ErrorOf([&] { Run(job_); }),
+              ::testing::AllOf(HasSubstr("all 3 images"), HasSubstr("frame")));
+  EXPECT_FALSE(fs::exists(job_.out));
+}
+
+TEST_F(ViewBagTest, HandsOverTheVioPoints) {
+  Run(job_);
+  ASSERT_EQ(points_.size(), 3U);
+  for (const RangeSample& point : points_) {
+    EXPECT_NEAR(point.range_m, 1.5, 1e-5);
+    EXPECT_EQ(point.pixel, Eigen::Vector2d(10, 20));
+  }
+}
+
+TEST_F(ViewBagTest, WritesPlainTopicsOnRequest) {
+  job_.plain_topics = true;
+  Run(job_);
+  const ViewTopics topics;
+  std::set<std::int64_t> times;
+  int images = 0;
+  BagReader(job_.out).ReadAll([&](const rosbag::MessageInstance& m) {
+    if (m.getTopic().find("/virtual") == 0) {
+      EXPECT_TRUE(times.insert(ToNanoseconds(m.getTime())).second ||
+                  m.getTopic() == topics.settings);
+    }
+    if (m.getTopic() == topics.image) {
+      const auto image = Instantiate<sensor_msgs::Image>(m);
+      EXPECT_EQ(image->width, 160U);
+      EXPECT_EQ(image->header.frame_id, "cam0");
+      ++images;
+    }
+    if (m.getTopic() == topics.camera_info) {
+      const auto info = Instantiate<sensor_msgs::CameraInfo>(m);
+      EXPECT_EQ(info->distortion_model, "plumb_bob");
+      EXPECT_EQ(info->K[4], 100);
+    }
+  });
+  EXPECT_EQ(images, 6);
+  EXPECT_EQ(BagReader(job_.out).TypeOf(topics.pose), "geometry_msgs/PoseStamped");
+}
+
+TEST_F(ViewBagTest, NamesAnImageOfAnotherSize) {
+  job_.camera = camera_->Scaled(0.5);
+  EXPECT_THAT(ErrorOf([&] { Run(job_); }),
+              ::testing::AllOf(HasSubstr("160 x 120"), HasSubstr("80 x 60")));
+}
+
+TEST_F(ViewBagTest, ReadsPosesOfATopic) {
+  const BagReader bag(job_.bag);
+  const Trajectory poses = ReadPoseTopic(bag, VioTopics().keyframe_pose);
+  ASSERT_EQ(poses.size(), 3U);
+  EXPECT_EQ(poses.stamps_ns[1], Stamp(2));
+  EXPECT_LT((poses.poses[1].t - Pose(2).t).norm(), 1e-12);
+  EXPECT_THAT(ErrorOf([&] { ReadPoseTopic(bag, VioTopics().image); }), HasSubstr("PoseStamped"));
+}
+
+}  // namespace
+}  // namespace deja_view
