@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace deja_view {
 namespace {
@@ -20,6 +21,19 @@ bool IsBetter(const Candidate& a, const Candidate& b) {
 bool Contains(const std::vector<Candidate>& list, int keyframe) {
   return std::any_of(
       list.begin(), list.end(), [&](const Candidate& c) { return c.keyframe == keyframe; });
+}
+
+/// Leaves the best entry of every keyframe; entries of one keyframe stand together.
+void KeepBestOfEach(std::vector<Candidate>* list) {
+  std::vector<Candidate> kept;
+  for (const Candidate& candidate : *list) {
+    if (kept.empty() || kept.back().keyframe != candidate.keyframe) {
+      kept.push_back(candidate);
+    } else {
+      kept.back().score = std::max(kept.back().score, candidate.score);
+    }
+  }
+  *list = std::move(kept);
 }
 
 std::vector<Island> GroupInTime(std::vector<RetrievedPlace> retrieved, double gap_s) {
@@ -63,6 +77,24 @@ std::vector<Candidate> CandidatesFromIslands(std::vector<RetrievedPlace> retriev
   return candidates;
 }
 
+std::vector<std::vector<RetrievedPlace>> GroupIntoIslands(
+    const std::vector<RetrievedPlace>& retrieved, double gap_s) {
+  std::vector<std::vector<RetrievedPlace>> islands;
+  for (const Island& island : GroupInTime(retrieved, gap_s)) {
+    islands.emplace_back();
+    for (const RetrievedPlace& place : retrieved) {
+      const bool is_member =
+          std::any_of(island.members.begin(), island.members.end(), [&](const Candidate& c) {
+            return c.keyframe == place.keyframe;
+          });
+      if (is_member) {
+        islands.back().push_back(place);
+      }
+    }
+  }
+  return islands;
+}
+
 std::vector<Candidate> CandidatesNearby(const std::vector<NearbyPlace>& places,
                                         const NearbyPlace& current,
                                         const CandidateOptions& options) {
@@ -77,6 +109,7 @@ std::vector<Candidate> CandidatesNearby(const std::vector<NearbyPlace>& places,
       found.push_back({place.keyframe, -(std::sqrt(squared / max_squared) + angle)});
     }
   }
+  KeepBestOfEach(&found);
   const auto count = std::min<std::size_t>(found.size(), static_cast<std::size_t>(options.nearby));
   std::partial_sort(
       found.begin(), found.begin() + static_cast<std::ptrdiff_t>(count), found.end(), IsBetter);

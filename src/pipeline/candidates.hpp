@@ -29,6 +29,10 @@ struct RetrievedPlace {
 std::vector<Candidate> CandidatesFromIslands(std::vector<RetrievedPlace> retrieved,
                                              const CandidateOptions& options);
 
+/// Retrieved keyframes in islands as above, each in the order of retrieval.
+std::vector<std::vector<RetrievedPlace>> GroupIntoIslands(
+    const std::vector<RetrievedPlace>& retrieved, double gap_s);
+
 /// Old keyframes whose corrected camera pose is near the current one's.
 struct NearbyPlace {
   int keyframe = -1;
@@ -36,8 +40,9 @@ struct NearbyPlace {
   Eigen::Vector3d axis_M = Eigen::Vector3d::UnitZ();     ///< unit, the camera's z
 };
 
-/// The nearest `options.nearby` places, best first: distance over its limit plus angle over its
-/// limit.
+/// The nearest `options.nearby` keyframes, best first: distance over its limit plus angle over its
+/// limit. A keyframe's places (its own camera's and its virtual ones') stand together; the nearest
+/// one counts.
 std::vector<Candidate> CandidatesNearby(const std::vector<NearbyPlace>& places,
                                         const NearbyPlace& current,
                                         const CandidateOptions& options);

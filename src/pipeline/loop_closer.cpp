@@ -2,6 +2,7 @@
 
 #include "deja_view/base/check.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "loop_closer_impl.hpp"
@@ -28,6 +29,10 @@ KeyframeReport LoopCloser::AddKeyframe(const KeyframeInput& input) {
   return impl_->AddKeyframe(input);
 }
 
+ViewOutcome LoopCloser::AddVirtualView(const VirtualView& view) {
+  return impl_->AddVirtualView(view);
+}
+
 bool LoopCloser::UpdateLoop(int current, const Rigid3& T_Bold_Bcurrent) {
   return impl_->UpdateLoop(current, T_Bold_Bcurrent);
 }
@@ -44,7 +49,14 @@ KeyframeInfo LoopCloser::keyframe(int index) const {
   DEJA_VIEW_CHECK(index >= 0 && index < keyframe_count());
   const auto k = static_cast<std::size_t>(index);
   const PoseGraphNode& node = impl_->graph.nodes()[k];
-  return {index, node.sequence, impl_->keyframes[k].stamp_ns, node.T_W_B, node.T_M_B()};
+  const StoredKeyframe& stored = impl_->keyframes[k];
+  return {index,
+          node.sequence,
+          stored.stamp_ns,
+          node.T_W_B,
+          node.T_M_B(),
+          stored.is_place,
+          static_cast<int>(stored.views.size())};
 }
 
 int LoopCloser::sequence_count() const {
@@ -56,15 +68,28 @@ bool LoopCloser::is_joined(int sequence) const {
 }
 
 int LoopCloser::place_count() const {
-  return static_cast<int>(impl_->places.size());
+  return static_cast<int>(std::count_if(impl_->keyframes.begin(),
+                                        impl_->keyframes.end(),
+                                        [](const StoredKeyframe& k) { return k.is_place; }));
 }
 
 std::size_t LoopCloser::memory_bytes() const {
   std::size_t bytes = impl_->places.memory_bytes();
   for (const StoredKeyframe& keyframe : impl_->keyframes) {
     bytes += sizeof(StoredKeyframe) + keyframe.features.MemoryBytes();
+    for (const StoredView& view : keyframe.views) {
+      bytes += sizeof(StoredView) + view.MemoryBytes();
+    }
   }
   return bytes;
+}
+
+const ViewCounts& LoopCloser::view_counts() const {
+  return impl_->view_counts;
+}
+
+std::size_t LoopCloser::view_memory_bytes() const {
+  return impl_->ViewMemoryBytes();
 }
 
 Rigid3 LoopCloser::drift() const {

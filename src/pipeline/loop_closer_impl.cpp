@@ -32,6 +32,12 @@ class Stopwatch {
   Clock::time_point last_ = Clock::now();
 };
 
+std::unique_ptr<FeatureExtractor> MakeViewExtractor(FeatureOptions features, int max_features) {
+  features.brief.max_features = max_features;
+  features.orb.max_features = max_features;
+  return MakeFeatureExtractor(features);
+}
+
 LoopCloserOptions Validated(const LoopCloserOptions& options) {
   const std::vector<std::string> errors = options.Validate();
   if (!errors.empty()) {
@@ -57,7 +63,10 @@ std::vector<std::string> LoopCloserOptions::Validate() const {
   add("features", features.Validate());
   add("verification", verification.Validate());
   add("consistency", consistency.Validate());
+  add("place", place.Validate());
+  add("scoring", scoring.Validate());
   add("pose_graph", pose_graph.Validate());
+  add("views", views.Validate());
   require(candidates.min_age_s > 0, "candidates.min_age_s must be positive");
   require(candidates.retrieved >= 0, "candidates.retrieved must not be negative");
   require(candidates.island_gap_s >= 0, "candidates.island_gap_s must not be negative");
@@ -96,7 +105,12 @@ LoopCloser::Impl::Impl(const LoopCloserOptions& options_in,
       verifier(options.verification, camera),
       graph(options.pose_graph),
       places(options.place, vocabulary),
-      consistency(options.consistency) {
+      consistency(options.consistency),
+      view_extractor_(MakeViewExtractor(options.features, options.views.max_features)),
+      empty_index_bytes_(places.memory_bytes()) {
+  if (options.scoring.is_on) {
+    scored_places_.emplace(options.scoring, vocabulary);
+  }
   if (vocabulary->descriptor_name() != extractor->DescriptorName()) {
     ThrowInputError(
         "features.kind: the vocabulary was made for '{}' descriptors, the options ask for '{}'",
@@ -224,26 +238,106 @@ bool LoopCloser::Impl::IsLocalised() const {
          static_cast<double>(current.stamp_ns - last.stamp_ns) < kLocalisedSeconds * 1e9;
 }
 
-std::vector<Candidate> LoopCloser::Impl::FindCandidates(KeyframeTimes* times) const {
+// A virtual camera is a place from which its keyframe knows the hall, too.
+void LoopCloser::Impl::AddViewPlaces(int keyframe, std::vector<NearbyPlace>* around) const {
+  const auto k = static_cast<std::size_t>(keyframe);
+  for (const StoredView& view : keyframes[k].views) {
+    const Rigid3 T_M_V = graph.nodes()[k].T_M_B() * keyframes[k].features.T_B_C * view.T_C_V;
+    around->push_back({keyframe, T_M_V.t, T_M_V.q * Eigen::Vector3d::UnitZ()});
+  }
+}
+
+// The most similar keyframes, each as similar as the most similar of its images.
+std::vector<RetrievedPlace> LoopCloser::Impl::RetrieveFast(int newest) const {
+  const int wanted = options.candidates.retrieved;
+  PlaceQuery query;
+  query.max_results = wanted * static_cast<int>(1 + most_views_);
+  query.max_id = newest;
+  query.min_score = options.candidates.min_score;
+  std::vector<RetrievedPlace> retrieved;
+  for (const PlaceMatch& match : places.Query(keyframes.back().bow, query)) {
+    const bool is_known =
+        std::any_of(retrieved.begin(), retrieved.end(), [&](const RetrievedPlace& place) {
+          return place.keyframe == match.id;
+        });
+    if (!is_known && static_cast<int>(retrieved.size()) < wanted) {
+      const StoredKeyframe& k = keyframes[static_cast<std::size_t>(match.id)];
+      retrieved.push_back({match.id, match.score, k.sequence, k.stamp_ns});
+    }
+  }
+  return retrieved;
+}
+
+std::vector<RetrievedPlace> LoopCloser::Impl::Retrieve(int newest, KeyframeReport* report) const {
+  if (scored_places_) {
+    return RetrieveScored(newest, report);
+  }
+  std::vector<RetrievedPlace> retrieved = RetrieveFast(newest);
+  if (!retrieved.empty()) {
+    report->best_place = BestPlace{retrieved.front().keyframe, retrieved.front().score};
+  }
+  return retrieved;
+}
+
+std::vector<RetrievedPlace> LoopCloser::Impl::RetrieveScored(int newest,
+                                                             KeyframeReport* report) const {
+  const ScoringOptions& scoring = options.scoring;
+  const WeightedBow words = scored_places_->Weigh(keyframes.back().bow);
+  std::vector<RetrievedPlace> retrieved;
+  for (const ScoredPlace& place :
+       scored_places_->Query(words, newest, static_cast<std::size_t>(scoring.neighbours))) {
+    const StoredKeyframe& k = keyframes[static_cast<std::size_t>(place.id)];
+    retrieved.push_back({place.id, place.score, k.sequence, k.stamp_ns});
+  }
+  const double own = OwnScore(words);
+  std::vector<RetrievedPlace> passed;
+  for (const auto& island : GroupIntoIslands(retrieved, options.candidates.island_gap_s)) {
+    std::vector<double> scores;
+    for (const RetrievedPlace& place : island) {
+      scores.push_back(place.score);
+    }
+    const double score = ThresholdScore(scores, scoring.threshold, own);
+    if (!report->best_place || score > report->best_place->score) {
+      report->best_place = BestPlace{island.front().keyframe, score};
+    }
+    if (score >= scoring.r) {
+      passed.insert(passed.end(), island.begin(), island.end());
+    }
+  }
+  return passed;
+}
+
+double LoopCloser::Impl::OwnScore(const WeightedBow& words) const {
+  double best = 0;
+  for (const WeightedBow& predecessor : predecessors_) {
+    best = std::max(best, CosineSimilarity(words, predecessor));
+  }
+  return best;
+}
+
+void LoopCloser::Impl::RememberWords() {
+  constexpr std::size_t kPredecessors = 3;
+  if (scored_places_) {
+    predecessors_.push_back(scored_places_->Weigh(keyframes.back().bow));
+    if (predecessors_.size() > kPredecessors) {
+      predecessors_.pop_front();
+    }
+  }
+}
+
+std::vector<Candidate> LoopCloser::Impl::FindCandidates(KeyframeReport* report) const {
   Stopwatch watch;
   const int newest = NewestOldEnough();
   if (newest < 0) {
     return {};
   }
-  PlaceQuery query;
-  query.max_results = options.candidates.retrieved;
-  query.max_id = newest;
-  query.min_score = options.candidates.min_score;
-  std::vector<RetrievedPlace> retrieved;
-  for (const PlaceMatch& match : places.Query(keyframes.back().bow, query)) {
-    const StoredKeyframe& k = keyframes[static_cast<std::size_t>(match.id)];
-    retrieved.push_back({match.id, match.score, k.sequence, k.stamp_ns});
-  }
+  std::vector<RetrievedPlace> retrieved = Retrieve(newest, report);
   std::vector<NearbyPlace> around;
   for (int i = 0; i <= newest && options.candidates.nearby > 0; ++i) {
     const StoredKeyframe& k = keyframes[static_cast<std::size_t>(i)];
     if (k.is_place && graph.AreJoined(k.sequence, keyframes.back().sequence)) {
       around.push_back(PlaceOf(i));
+      AddViewPlaces(i, &around);
     }
   }
   const auto nearby =
@@ -252,7 +346,7 @@ std::vector<Candidate> LoopCloser::Impl::FindCandidates(KeyframeTimes* times) co
                                     nearby,
                                     IsLocalised(),
                                     options.candidates);
-  times->query = watch.LapMs();
+  report->times.query = watch.LapMs();
   return candidates;
 }
 
@@ -265,6 +359,14 @@ LoopReport LoopCloser::Impl::VerifyCandidate(const Candidate& candidate,
                                   keyframes[old].features,
                                   graph.nodes()[old].T_W_B.q);
   LoopReport report;
+  if (verification->reason != RejectReason::kNone && !keyframes[old].views.empty()) {
+    *verification = verifier.VerifyRig(keyframes[current].features,
+                                       graph.nodes()[current].T_W_B.q,
+                                       keyframes[old].features,
+                                       graph.nodes()[old].T_W_B.q,
+                                       RigOf(old));
+    report.is_virtual = true;
+  }
   report.current = static_cast<int>(current);
   report.old = candidate.keyframe;
   report.stamp_current_ns = keyframes[current].stamp_ns;
@@ -298,7 +400,7 @@ Relocalisation LoopCloser::Impl::MakeRelocalisation(const LoopReport& loop,
 }
 
 void LoopCloser::Impl::FindLoops(KeyframeReport* report) {
-  const std::vector<Candidate> candidates = FindCandidates(&report->times);
+  const std::vector<Candidate> candidates = FindCandidates(report);
   Stopwatch watch;
   int found = 0;
   for (const Candidate& candidate : candidates) {
@@ -326,7 +428,8 @@ void LoopCloser::Impl::FindLoops(KeyframeReport* report) {
     report->reason = loop.reason;
     Believe(believed, report);
     found += is_believed ? 1 : 0;
-    if (is_believed && !report->relocalisation) {
+    // The VIO takes pixels of the old real image: what virtual views alone show is of no use to it.
+    if (is_believed && !loop.is_virtual && !report->relocalisation) {
       report->relocalisation = MakeRelocalisation(loop, verification);
       keyframes.back().relocalised_old = loop.old;
     }
@@ -406,14 +509,17 @@ KeyframeReport LoopCloser::Impl::AddKeyframe(const KeyframeInput& input) {
   FindLoops(&report);
   watch.LapMs();
   StoredKeyframe& stored = keyframes.back();
-  if (IsNewPlace()) {
+  stamps_[stored.stamp_ns] = keyframes.size() - 1;
+  if (options.add_places && IsNewPlace()) {
     stored.is_place = true;
-    places.Add(report.index, stored.bow);
+    AddPlace(report.index, stored.bow, 0);
   } else {
     stored.features = KeyframeFeatures{};
     stored.features.T_B_C = T_B_C;
   }
+  RememberWords();
   stored.bow = BowVector{};
+  AttachWaitingViews(keyframes.size() - 1);
   report.times.words += watch.LapMs();
   ScheduleSolve();
   report.times.graph += watch.LapMs();

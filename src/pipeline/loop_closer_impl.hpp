@@ -5,13 +5,17 @@
 #include "deja_view/pose_graph/pose_graph.hpp"
 #include "deja_view/verification/loop_verifier.hpp"
 
+#include <deque>
 #include <future>
+#include <map>
 #include <memory>
 #include <optional>
 #include <unordered_map>
 #include <vector>
 
+#include "camera_table.hpp"
 #include "candidates.hpp"
+#include "stored_view.hpp"
 
 namespace deja_view {
 
@@ -23,6 +27,7 @@ struct StoredKeyframe {
   int relocalised_old = -1;  ///< of the relocalisation that the VIO was told of
   KeyframeFeatures features;
   BowVector bow;
+  std::vector<StoredView> views;
 };
 
 /// State and steps of LoopCloser.
@@ -38,6 +43,7 @@ class LoopCloser::Impl {
   Impl& operator=(const Impl&) = delete;
 
   KeyframeReport AddKeyframe(const KeyframeInput& input);
+  ViewOutcome AddVirtualView(const VirtualView& view);
   bool UpdateLoop(int current, const Rigid3& T_Bold_Bcurrent);
   void OptimizeFully();
   /// Identity until the first keyframe of a session.
@@ -62,6 +68,9 @@ class LoopCloser::Impl {
   std::vector<LoopReport> reports;   ///< every loop that passed verification, by consistency's tag
   std::vector<LoopReport> accepted;  ///< one per loop of the graph, in its order
   int sequence = -1;                 ///< of the newest keyframe
+  ViewCounts view_counts;
+
+  std::size_t ViewMemoryBytes() const;
 
  private:
   /// A snapshot of the graph under way.
@@ -78,7 +87,13 @@ class LoopCloser::Impl {
     std::vector<LoopReport> accepted;
   };
 
+  struct WaitingView {
+    std::int64_t stamp_ns = 0;
+    StoredView view;
+  };
+
   LoadedMap ReadMap(const std::filesystem::path& directory) const;
+  void IndexMap();
   void CheckInput(const KeyframeInput& input) const;
   bool StartsSequence(const KeyframeInput& input) const;
   void ExtractFeatures(const KeyframeInput& input, StoredKeyframe* keyframe);
@@ -88,13 +103,31 @@ class LoopCloser::Impl {
   std::optional<Eigen::Vector3d> LocatePoint(const TrackedPoint& point, const Rigid3& T_C_W) const;
   int NewestOldEnough() const;
   NearbyPlace PlaceOf(int keyframe) const;
+  void AddViewPlaces(int keyframe, std::vector<NearbyPlace>* around) const;
   bool IsLocalised() const;
-  std::vector<Candidate> FindCandidates(KeyframeTimes* times) const;
+  std::vector<Candidate> FindCandidates(KeyframeReport* report) const;
   LoopReport VerifyCandidate(const Candidate& candidate, Verification* verification) const;
   void FindLoops(KeyframeReport* report);
   void Believe(const std::vector<LoopConsistency::Entry>& entries, KeyframeReport* report);
   Relocalisation MakeRelocalisation(const LoopReport& loop, const Verification& verification) const;
   bool IsNewPlace() const;
+  std::optional<std::size_t> KeyframeAt(std::int64_t stamp_ns) const;
+  ViewOutcome Count(ViewOutcome outcome);
+  void AttachWaitingViews(std::size_t keyframe);
+  ViewOutcome AttachView(std::size_t keyframe, StoredView view);
+  void IndexView(std::size_t keyframe, StoredView view);
+  bool AgreesWithSource(const StoredKeyframe& keyframe, const StoredView& view) const;
+  double SimilarityToSource(const StoredKeyframe& keyframe, const StoredView& view) const;
+  std::optional<std::size_t> FindSurpassed(StoredKeyframe* keyframe, StoredView* view) const;
+  std::vector<RigCamera> RigOf(std::size_t keyframe) const;
+  void AddPlace(int keyframe, const BowVector& bow, int tag);
+  std::vector<RetrievedPlace> Retrieve(int newest, KeyframeReport* report) const;
+  std::vector<RetrievedPlace> RetrieveFast(int newest) const;
+  /// Retrieves and judges islands by the paper's scores.
+  std::vector<RetrievedPlace> RetrieveScored(int newest, KeyframeReport* report) const;
+  /// The current keyframe's score against its predecessors.
+  double OwnScore(const WeightedBow& words) const;
+  void RememberWords();
   void ScheduleSolve();
   void TakeDueSolution(bool wait_for_all, KeyframeReport* report);
 
@@ -105,6 +138,17 @@ class LoopCloser::Impl {
   };
 
   std::unordered_map<std::int64_t, Track> tracks_;
+  std::unique_ptr<FeatureExtractor> view_extractor_;
+  std::optional<ScoredPlaces> scored_places_;  ///< with scoring.is_on
+  std::deque<WeightedBow> predecessors_;       ///< words of the newest keyframes, for OwnScore
+  CameraTable cameras_;
+  std::deque<WaitingView> waiting_views_;       ///< the oldest first
+  std::map<std::int64_t, std::size_t> stamps_;  ///< newest keyframe of each stamp
+  std::size_t most_views_ = 0;                  ///< of one keyframe
+  std::size_t view_bytes_ = 0;
+  std::size_t view_words_ = 0;  ///< in the index
+  std::size_t place_words_ = 0;
+  std::size_t empty_index_bytes_ = 0;
   std::optional<PendingSolve> pending_solve_;
   bool starts_sequence_ = true;  ///< the next keyframe does
   int loops_since_solve_ = 0;

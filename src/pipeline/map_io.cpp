@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <utility>
 
 #include "binary_io.hpp"
 #include "loop_closer_impl.hpp"
@@ -16,7 +17,9 @@ namespace fs = std::filesystem;
 
 // File: magic, version, checksum of the rest; then the body that WriteBody writes.
 constexpr std::uint64_t kMagic = 0x50414d5645414a44U;  // "DJAEVMAP"
-constexpr std::uint32_t kVersion = 1;
+// Version 1 is a map without virtual views, 2 one with them after the loops.
+constexpr std::uint32_t kVersionPlain = 1;
+constexpr std::uint32_t kVersionViews = 2;
 constexpr const char* kFileName = "map.dvm";
 
 /// 64-bit FNV-1a over 8-byte words: enough to notice a damaged file.
@@ -164,6 +167,56 @@ PoseGraphLoop ReadLoop(BinaryReader* in, int keyframe_count, LoopReport* report)
   return loop;
 }
 
+void WriteView(std::size_t keyframe, const StoredView& view, BinaryWriter* out) {
+  const CameraParameters camera = DescribeCamera(*view.camera);
+  out->Write(static_cast<std::int32_t>(keyframe));
+  out->Write(view.index);
+  WritePose(view.T_C_V, out);
+  out->WriteAll(std::vector<char>(camera.model.begin(), camera.model.end()));
+  out->Write(static_cast<std::int32_t>(camera.width));
+  out->Write(static_cast<std::int32_t>(camera.height));
+  out->WriteAll(camera.distortion);
+  out->WriteAll(camera.projection);
+  out->WriteAll(view.keypoints);
+  out->WriteAll(view.descriptors);
+}
+
+StoredView ReadView(BinaryReader* in, std::size_t keyframe_count, std::size_t* keyframe) {
+  const auto index = in->Read<std::int32_t>("view's keyframe");
+  if (index < 0 || static_cast<std::size_t>(index) >= keyframe_count) {
+    in->Fail("view's keyframe", "names a keyframe that is not there");
+  }
+  *keyframe = static_cast<std::size_t>(index);
+  StoredView view;
+  view.index = in->Read<std::int32_t>("view index");
+  view.T_C_V = ReadPose(in, "view pose");
+  CameraParameters camera;
+  const auto model = in->ReadAll<char>("view camera model");
+  camera.model.assign(model.begin(), model.end());
+  camera.width = in->Read<std::int32_t>("view camera width");
+  camera.height = in->Read<std::int32_t>("view camera height");
+  camera.distortion = in->ReadAll<double>("view camera distortion");
+  camera.projection = in->ReadAll<double>("view camera projection");
+  try {
+    view.camera = MakeCamera(camera, "camera");
+  } catch (const InputError& e) {
+    in->Fail("view camera", e.what());
+  }
+  view.keypoints = in->ReadAll<PackedKeypoint>("view keypoints");
+  view.descriptors = in->ReadAll<Descriptor>("view descriptors");
+  if (view.index < 0 || view.keypoints.size() != view.descriptors.size()) {
+    in->Fail("view", "lists of different lengths, or no index");
+  }
+  for (const PackedKeypoint& k : view.keypoints) {
+    const Eigen::Vector2d pixel(static_cast<double>(k.u) / double{PackedKeypoint::kPerPixel},
+                                static_cast<double>(k.v) / double{PackedKeypoint::kPerPixel});
+    if (!view.camera->IsInImage(pixel)) {
+      in->Fail("view keypoints", "pixels outside the image");
+    }
+  }
+  return view;
+}
+
 /// Pixels index grids over the image later on.
 bool AreInImage(const std::vector<Eigen::Vector2f>& pixels, const Camera& camera) {
   return std::all_of(pixels.begin(), pixels.end(), [&](const Eigen::Vector2f& pixel) {
@@ -195,9 +248,17 @@ void LoopCloser::Impl::Save(const fs::path& directory) const {
   for (std::size_t i = 0; i < accepted.size(); ++i) {
     WriteLoop(graph.loops()[i], accepted[i], &body);
   }
+  if (view_counts.kept > 0) {
+    body.Write(static_cast<std::uint64_t>(view_counts.kept));
+    for (std::size_t i = 0; i < keyframes.size(); ++i) {
+      for (const StoredView& view : keyframes[i].views) {
+        WriteView(i, view, &body);
+      }
+    }
+  }
   BinaryWriter head;
   head.Write(kMagic);
-  head.Write(kVersion);
+  head.Write(view_counts.kept > 0 ? kVersionViews : kVersionPlain);
   head.Write(Checksum(body.bytes().data(), body.bytes().size()));
   WriteFileAtomically(directory / kFileName, [&](std::ostream& out) {
     out.write(head.bytes().data(), static_cast<std::streamsize>(head.bytes().size()));
@@ -212,7 +273,8 @@ LoopCloser::Impl::LoadedMap LoopCloser::Impl::ReadMap(const fs::path& directory)
   if (in.Read<std::uint64_t>("magic") != kMagic) {
     in.Fail("magic", "not a saved map");
   }
-  if (in.Read<std::uint32_t>("version") != kVersion) {
+  const auto version = in.Read<std::uint32_t>("version");
+  if (version != kVersionPlain && version != kVersionViews) {
     in.Fail("version", "a map of another version than this program's");
   }
   const auto checksum = in.Read<std::uint64_t>("checksum");
@@ -255,6 +317,18 @@ LoopCloser::Impl::LoadedMap LoopCloser::Impl::ReadMap(const fs::path& directory)
     report.stamp_current_ns = map.keyframes[static_cast<std::size_t>(report.current)].stamp_ns;
     map.accepted.push_back(report);
   }
+  const auto view_count =
+      version == kVersionViews ? in.Read<std::uint64_t>("number of views") : std::uint64_t{0};
+  for (std::uint64_t i = 0; i < view_count; ++i) {
+    std::size_t keyframe = 0;
+    StoredView view = ReadView(&in, map.keyframes.size(), &keyframe);
+    for (const StoredView& other : map.keyframes[keyframe].views) {
+      if (other.index == view.index) {
+        in.Fail("view index", "two views of one keyframe have it");
+      }
+    }
+    map.keyframes[keyframe].views.push_back(std::move(view));
+  }
   if (!in.AtEnd()) {
     in.Fail("end", "bytes follow that should not be there");
   }
@@ -262,19 +336,44 @@ LoopCloser::Impl::LoadedMap LoopCloser::Impl::ReadMap(const fs::path& directory)
   return map;
 }
 
-void LoopCloser::Impl::Load(const fs::path& directory) {
-  LoadedMap map = ReadMap(directory);
-  PlaceDatabase new_places(options.place, vocabulary);
-  for (std::size_t i = 0; i < map.keyframes.size(); ++i) {
-    if (map.keyframes[i].is_place) {
-      new_places.Add(static_cast<int>(i), vocabulary->Bag(map.keyframes[i].features.descriptors));
+// Looks all words up again and fills what is known about the keyframes by other keys.
+void LoopCloser::Impl::IndexMap() {
+  places = PlaceDatabase(options.place, vocabulary);
+  if (scored_places_) {
+    scored_places_->Clear();
+    predecessors_.clear();
+  }
+  cameras_ = CameraTable();
+  stamps_.clear();
+  most_views_ = view_bytes_ = view_words_ = place_words_ = 0;
+  view_counts = ViewCounts{};
+  view_counts.waiting = static_cast<std::int64_t>(waiting_views_.size());
+  for (std::size_t i = 0; i < keyframes.size(); ++i) {
+    StoredKeyframe& k = keyframes[i];
+    stamps_[k.stamp_ns] = i;
+    std::vector<StoredView> views = std::exchange(k.views, {});
+    if (!k.is_place) {
+      continue;
+    }
+    AddPlace(static_cast<int>(i), vocabulary->Bag(k.features.descriptors), 0);
+    if (views.size() > static_cast<std::size_t>(options.views.keep)) {
+      views.resize(static_cast<std::size_t>(options.views.keep));
+    }
+    for (StoredView& view : views) {
+      view.camera = cameras_.Share(view.camera);
+      IndexView(i, std::move(view));
+      ++view_counts.kept;
     }
   }
+}
+
+void LoopCloser::Impl::Load(const fs::path& directory) {
+  LoadedMap map = ReadMap(directory);
   TakeDueSolution(true, nullptr);
   keyframes = std::move(map.keyframes);
   graph = std::move(map.graph);
   accepted = std::move(map.accepted);
-  places = std::move(new_places);
+  IndexMap();
   consistency = LoopConsistency(options.consistency);
   reports.clear();
   loops_since_solve_ = 0;

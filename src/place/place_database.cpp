@@ -97,6 +97,10 @@ bool PlaceDatabase::Remove(int id) {
   return impl_->Visit([&](auto& index) { return index.Remove(id); });
 }
 
+bool PlaceDatabase::Remove(int id, int tag) {
+  return impl_->Visit([&](auto& index) { return index.Remove(id, tag); });
+}
+
 std::vector<PlaceMatch> PlaceDatabase::Query(const BowVector& bow, const PlaceQuery& query) const {
   CheckBow(bow, impl_->word_count());
   return impl_->Visit([&](const auto& index) { return internal::FindBest(index, bow, query); });

@@ -95,6 +95,18 @@ bool PlaceIndex<Norms>::Remove(int id) {
 }
 
 template <typename Norms>
+bool PlaceIndex<Norms>::Remove(int id, int tag) {
+  const auto entry = by_key_.find({id, tag});
+  if (entry == by_key_.end()) {
+    return false;
+  }
+  const std::uint32_t slot = entry->second;
+  by_key_.erase(entry);
+  RemoveSlot(slot);
+  return true;
+}
+
+template <typename Norms>
 std::size_t PlaceIndex<Norms>::memory_bytes() const {
   // A node of a std::map: three pointers, a colour and the value.
   constexpr std::size_t kMapNode = 4 * sizeof(void*) + sizeof(std::pair<const Key, std::uint32_t>);

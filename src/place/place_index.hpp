@@ -30,6 +30,7 @@ class PlaceIndex {
 
   void Add(int id, int tag, const BowVector& bow);
   bool Remove(int id);
+  bool Remove(int id, int tag);
 
   bool Contains(int id, int tag) const { return by_key_.count({id, tag}) > 0; }
   const WordWeights& weights() const { return weights_; }

@@ -86,8 +86,22 @@ void BagReader::RequireTopic(const std::string& name, const std::vector<std::str
 std::int64_t BagReader::Read(
     const std::vector<std::string>& names,
     const std::function<void(const rosbag::MessageInstance&)>& visit) const {
-  return Visit([&](rosbag::View* view) { view->addQuery(*bag_, rosbag::TopicQuery(names)); },
-               visit);
+  return Read(names, nullptr, {}, visit);
+}
+
+std::int64_t BagReader::Read(
+    const std::vector<std::string>& names,
+    const BagReader* beside,
+    const std::vector<std::string>& beside_names,
+    const std::function<void(const rosbag::MessageInstance&)>& visit) const {
+  return Visit(
+      [&](rosbag::View* view) {
+        view->addQuery(*bag_, rosbag::TopicQuery(names));
+        if (beside != nullptr) {
+          view->addQuery(*beside->bag_, rosbag::TopicQuery(beside_names));
+        }
+      },
+      visit);
 }
 
 std::int64_t BagReader::ReadAll(

@@ -2,6 +2,7 @@
 
 #include "deja_view/base/check.hpp"
 #include "deja_view/ros/bag_reader.hpp"
+#include "deja_view/ros/virtual_frame_conversion.hpp"
 
 #include <map>
 #include <optional>
@@ -23,16 +24,20 @@ class Replay {
             [this](AssembledKeyframe keyframe) { HandOver(keyframe); },
             [this](DropReason reason, std::int64_t stamp_ns) { TellDrop(reason, stamp_ns); }) {}
 
-  ReplayReport Run(const BagReader& bag) {
+  /// `beside`, if any, has the virtual views.
+  ReplayReport Run(const BagReader& bag, const BagReader* beside) {
     std::int64_t total = 0;
-    for (const BagReader::Topic& topic : bag.topics()) {
-      total += handlers_.count(topic.name) > 0 ? topic.messages : 0;
-    }
     std::vector<std::string> names;
     for (const auto& handler : handlers_) {
-      names.push_back(handler.first);
+      const bool is_beside = beside != nullptr && handler.first == topics_.virtual_frame;
+      if (!is_beside) {
+        names.push_back(handler.first);
+      }
+      for (const BagReader::Topic& topic : (is_beside ? *beside : bag).topics()) {
+        total += topic.name == handler.first ? topic.messages : 0;
+      }
     }
-    bag.Read(names, [this, total](const rosbag::MessageInstance& instance) {
+    bag.Read(names, beside, {topics_.virtual_frame}, [this, total](const auto& instance) {
       Handle(instance);
       ++report_.messages;
       if (callbacks_.on_progress) {
@@ -44,7 +49,7 @@ class Replay {
     return report_;
   }
 
-  void AddHandlers(const BagReader& bag) {
+  void AddHandlers(const BagReader& bag, const BagReader& views) {
     AddImageHandler(bag);
     Require(bag, topics_.keyframe_pose, "nav_msgs/Odometry", [this](const auto& instance) {
       const StampedPose pose = ReadOdometry(instance);
@@ -70,6 +75,12 @@ class Replay {
       Want(bag, topics_.relo_relative_pose, [this](const auto& instance) {
         const auto message = Instantiate<nav_msgs::Odometry>(instance);
         callbacks_.on_relative_pose(FromRelativePose(*message, instance.getTopic()));
+      });
+    }
+    if (callbacks_.on_virtual_view && views.HasTopic(topics_.virtual_frame)) {
+      Require(views, topics_.virtual_frame, "deja_view/VirtualFrame", [this](const auto& instance) {
+        const auto message = Instantiate<VirtualFrame>(instance);
+        callbacks_.on_virtual_view(FromVirtualFrame(*message, instance.getTopic()));
       });
     }
   }
@@ -163,11 +174,24 @@ ReplayReport ReplayBag(const std::filesystem::path& bag,
                        const VioTopics& topics,
                        const KeyframeAssemblerOptions& options,
                        const ReplayCallbacks& callbacks) {
+  return ReplayBag(bag, {}, topics, options, callbacks);
+}
+
+ReplayReport ReplayBag(const std::filesystem::path& bag,
+                       const std::filesystem::path& virtual_bag,
+                       const VioTopics& topics,
+                       const KeyframeAssemblerOptions& options,
+                       const ReplayCallbacks& callbacks) {
   DEJA_VIEW_CHECK(callbacks.on_keyframe);
   const BagReader reader(bag);
+  std::optional<BagReader> views;
+  if (!virtual_bag.empty()) {
+    views.emplace(virtual_bag);
+    views->RequireTopic(topics.virtual_frame, {"deja_view/VirtualFrame"});
+  }
   Replay replay(topics, options, callbacks);
-  replay.AddHandlers(reader);
-  return replay.Run(reader);
+  replay.AddHandlers(reader, views ? *views : reader);
+  return replay.Run(reader, views ? &*views : nullptr);
 }
 
 }  // namespace deja_view

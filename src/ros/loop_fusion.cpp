@@ -86,6 +86,10 @@ void LoopFusion::AddExtrinsic(std::int64_t stamp_ns, const Rigid3& T_B_C) {
   assembler_.AddExtrinsic(stamp_ns, T_B_C);
 }
 
+void LoopFusion::AddVirtualView(ViewSource view) {
+  Enqueue(std::move(view));
+}
+
 void LoopFusion::AddRelativePose(const RelativePoseUpdate& update) {
   Enqueue(update);
 }
@@ -117,24 +121,38 @@ std::future<void> LoopFusion::RunBeside(std::function<void()> solve) {
 void LoopFusion::Enqueue(Task task) {
   bool overflows = false;
   std::size_t length = 0;
+  const bool is_view = std::holds_alternative<ViewSource>(task);
   {
     const std::lock_guard<std::mutex> lock(queue_mutex_);
-    if (queue_.size() >= static_cast<std::size_t>(options_.queue_size)) {
-      queue_.pop_front();
-      overflows = true;
-    }
+    overflows = MakeRoom(task);
     queue_.push_back(std::move(task));
     length = queue_.size();
   }
   queue_changed_.notify_one();
   {
     const std::lock_guard<std::mutex> lock(statistics_mutex_);
-    statistics_.queue_overflows += overflows ? 1 : 0;
+    (is_view ? statistics_.view_overflows : statistics_.queue_overflows) += overflows ? 1 : 0;
     statistics_.queue_peak = std::max(statistics_.queue_peak, static_cast<int>(length));
   }
   if (overflows) {
-    Tell(fmt::format("the queue of {} keyframes is full: the oldest one was dropped", length));
+    Tell(fmt::format("the queue of {} {} is full: the oldest one was dropped",
+                     is_view ? options_.virtual_queue_size : options_.queue_size,
+                     is_view ? "virtual views" : "keyframes"));
   }
+}
+
+// Views never push keyframes out, nor the other way round.
+bool LoopFusion::MakeRoom(const Task& task) {
+  const bool is_view = std::holds_alternative<ViewSource>(task);
+  const auto is_alike = [is_view](const Task& other) {
+    return std::holds_alternative<ViewSource>(other) == is_view;
+  };
+  const int limit = is_view ? options_.virtual_queue_size : options_.queue_size;
+  if (std::count_if(queue_.begin(), queue_.end(), is_alike) < limit) {
+    return false;
+  }
+  queue_.erase(std::find_if(queue_.begin(), queue_.end(), is_alike));
+  return true;
 }
 
 std::optional<LoopFusion::Task> LoopFusion::NextTask() {
@@ -186,8 +204,18 @@ void LoopFusion::Process(const RelativePoseUpdate& update) {
   ++(is_used ? statistics_.relative_poses : statistics_.relative_poses_ignored);
 }
 
+void LoopFusion::Process(const ViewSource& source) {
+  const VirtualView view = source();
+  const std::lock_guard<std::mutex> closer_lock(closer_mutex_);
+  closer_.AddVirtualView(view);
+}
+
 void LoopFusion::CountKeyframe(const KeyframeReport& report) {
+  const ViewCounts views = closer_.view_counts();
+  const std::size_t bytes = views.kept > 0 ? closer_.view_memory_bytes() : 0;
   const std::lock_guard<std::mutex> lock(statistics_mutex_);
+  statistics_.views = views;
+  statistics_.view_memory_bytes = bytes;
   ++statistics_.keyframes;
   for (const LoopReport& loop : report.loops) {
     ++statistics_.candidates[ToString(loop.reason)];

@@ -14,8 +14,10 @@ void LoopFusionNode::Diagnose(diagnostic_updater::DiagnosticStatusWrapper& statu
   const ros::WallTime time = ros::WallTime::now();
   const double elapsed_s = std::max(1e-3, (time - std::exchange(diagnosed_at_, time)).toSec());
 
-  const std::int64_t overflows = now.queue_overflows + now.assembler.overflows;
-  if (overflows > before.queue_overflows + before.assembler.overflows) {
+  const auto overflows = [](const LoopFusionStatistics& s) {
+    return s.queue_overflows + s.view_overflows + s.assembler.overflows;
+  };
+  if (overflows(now) > overflows(before)) {
     status.summary(DiagnosticStatus::ERROR, "messages are dropped: a queue is full");
   } else if (new_bad > 0 || now.refused > before.refused) {
     status.summary(DiagnosticStatus::WARN, "messages or keyframes can't be used");
@@ -43,6 +45,18 @@ void LoopFusionNode::Diagnose(diagnostic_updater::DiagnosticStatusWrapper& statu
   }
   status.add("relative poses taken over", now.relative_poses);
   status.add("relative poses ignored", now.relative_poses_ignored);
+  status.add("virtual views received", now.views.received);
+  status.add("virtual views kept", now.views.kept);
+  status.add("virtual views waiting for their keyframe", now.views.waiting);
+  status.add("virtual views dropped: duplicate", now.views.duplicates);
+  status.add("virtual views dropped: refused", now.views.refused);
+  status.add("virtual views dropped: no_keyframe", now.views.no_keyframe);
+  status.add("virtual views dropped: no_place", now.views.no_place);
+  status.add("virtual views dropped: uncertain", now.views.uncertain);
+  status.add("virtual views dropped: disagrees", now.views.disagree);
+  status.add("virtual views dropped: surpassed", now.views.surpassed);
+  status.add("virtual views dropped: queue full", now.view_overflows);
+  status.add("memory of virtual views [kB]", now.view_memory_bytes / 1024);
   status.add("bad messages", bad);
   status.add("keyframes refused", now.refused);
   status.add("dropped: missing_image", now.assembler.missing_image);

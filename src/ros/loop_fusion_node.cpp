@@ -141,6 +141,9 @@ void LoopFusionNode::Subscribe() {
   SubscribeTo(topics.keyframe_pose, kMessageQueue, &LoopFusionNode::OnKeyframePose);
   SubscribeTo(topics.keyframe_point, kMessageQueue, &LoopFusionNode::OnKeyframePoints);
   SubscribeTo(topics.relo_relative_pose, kMessageQueue, &LoopFusionNode::OnRelativePose);
+  if (!topics.virtual_frame.empty()) {
+    SubscribeTo(topics.virtual_frame, kMessageQueue, &LoopFusionNode::OnVirtualFrame);
+  }
   if (parameters_.compressed_images) {
     SubscribeTo(topics.image, kImageQueue, &LoopFusionNode::OnCompressedImage);
   } else {
@@ -185,6 +188,12 @@ void LoopFusionNode::OnImuPropagate(const nav_msgs::OdometryConstPtr& message) {
 
 void LoopFusionNode::OnRelativePose(const nav_msgs::OdometryConstPtr& message) {
   fusion_->AddRelativePose(FromRelativePose(*message, parameters_.topics.relo_relative_pose));
+}
+
+void LoopFusionNode::OnVirtualFrame(const VirtualFrameConstPtr& message) {
+  fusion_->AddVirtualView([message, topic = parameters_.topics.virtual_frame] {
+    return FromVirtualFrame(*message, topic);
+  });
 }
 
 bool LoopFusionNode::SaveMap(NamedMap::Request& request, NamedMap::Response& response) {

@@ -28,6 +28,7 @@ NodeParameters ReadNodeParameters(const ros::NodeHandle& handle) {
   read_topic("odometry", &p.topics.odometry);
   read_topic("imu_propagate", &p.topics.imu_propagate);
   read_topic("relo_relative_pose", &p.topics.relo_relative_pose);
+  read_topic("virtual_frame", &p.topics.virtual_frame);
   p.frames.map = ReadText(handle, "frames/map", p.frames.map);
   p.frames.vio = ReadText(handle, "frames/vio", p.frames.vio);
   p.frames.body = ReadText(handle, "frames/body", p.frames.body);

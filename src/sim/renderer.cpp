@@ -166,19 +166,20 @@ cv::Mat Renderer::RenderRange(const Rigid3& T_W_C) const {
   return range;
 }
 
-View RenderView(const Renderer& renderer, const Rigid3& T_W_C, double gain, double gamma) {
-  const cv::Mat radiance = renderer.RenderRadiance(T_W_C);
-  View view;
-  view.range = renderer.RenderRange(T_W_C);
-  view.image.create(radiance.size(), CV_8UC1);
+cv::Mat ToneMap(const cv::Mat& radiance, double gain, double gamma) {
+  cv::Mat image(radiance.size(), CV_8UC1);
   for (int y = 0; y < radiance.rows; ++y) {
     for (int x = 0; x < radiance.cols; ++x) {
       const double level = std::min(1.0, gain * static_cast<double>(radiance.at<float>(y, x)));
-      view.image.at<std::uint8_t>(y, x) =
+      image.at<std::uint8_t>(y, x) =
           cv::saturate_cast<std::uint8_t>(255.0 * std::pow(level, 1.0 / gamma));
     }
   }
-  return view;
+  return image;
+}
+
+View RenderView(const Renderer& renderer, const Rigid3& T_W_C, double gain, double gamma) {
+  return {ToneMap(renderer.RenderRadiance(T_W_C), gain, gamma), renderer.RenderRange(T_W_C)};
 }
 
 }  // namespace deja_view::sim

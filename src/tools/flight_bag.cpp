@@ -1,6 +1,7 @@
 #include "flight_bag.hpp"
 
 #include "deja_view/ros/conversions.hpp"
+#include "deja_view/ros/virtual_frame_conversion.hpp"
 
 #include <utility>
 
@@ -88,6 +89,10 @@ void FlightBag::OnKeyframe(std::int64_t arrival_ns, const KeyframeInput& keyfram
   writer_.Write(
       "/vins_estimator/keyframe_pose", arrival_ns, MakeOdometry(keyframe.stamp_ns, keyframe.T_W_B));
   writer_.Write("/vins_estimator/keyframe_point", arrival_ns, MakePoints(keyframe, *camera_));
+}
+
+void FlightBag::AddVirtualView(std::int64_t arrival_ns, const VirtualView& view) {
+  writer_.Write("/virtual_cam0/frame", arrival_ns, ToVirtualFrame(view, "cam0"));
 }
 
 }  // namespace deja_view

@@ -4,6 +4,7 @@
 #include "deja_view/geometry/rigid3.hpp"
 #include "deja_view/ros/bag_writer.hpp"
 #include "deja_view/sim/simulator.hpp"
+#include "deja_view/views/virtual_view.hpp"
 
 #include <filesystem>
 #include <memory>
@@ -23,6 +24,9 @@ class FlightBag : public sim::FlightSink {
   void OnImage(std::int64_t stamp_ns, const cv::Mat& image) override;
   void OnOdometry(std::int64_t arrival_ns, const sim::VioOdometry& odometry) override;
   void OnKeyframe(std::int64_t arrival_ns, const KeyframeInput& keyframe) override;
+
+  /// As /virtual_cam0/frame.
+  void AddVirtualView(std::int64_t arrival_ns, const VirtualView& view);
 
   /// Gives the bag its name; without it nothing is left behind.
   void Close() { writer_.Close(); }

@@ -1,5 +1,6 @@
 #include "replay.hpp"
 
+#include "deja_view/base/atomic_file.hpp"
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/progress.hpp"
 #include "deja_view/io/options_yaml.hpp"
@@ -44,6 +45,9 @@ LoopFusionOptions ReadLoopFusionOptions(const ReplayRequest& request) {
   for (const std::string& assignment : request.overrides) {
     OverrideOption(assignment, &options);
   }
+  if (!request.use_virtual_views) {
+    options.loop_closer.views.keep = 0;
+  }
   return options;
 }
 
@@ -78,11 +82,17 @@ void Play(const ReplayRequest& request,
       accepted += loop.accepted() ? 1 : 0;
       result->loops.push_back(loop);
     }
+    if (report.best_place) {
+      result->best_places.push_back({report.index, *report.best_place});
+    }
     AddTimes(report.times, result);
   };
   callbacks.on_relative_pose = [&](const RelativePoseUpdate& update) {
     closer->UpdateLoop(update.current, update.T_Bold_Bcurrent);
   };
+  if (request.use_virtual_views) {
+    callbacks.on_virtual_view = [&](const VirtualView& view) { closer->AddVirtualView(view); };
+  }
   callbacks.on_problem = [&](const std::string& what) { result->problems.push_back(what); };
   if (request.show_progress) {
     callbacks.on_progress = [&](std::int64_t done, std::int64_t total) {
@@ -93,61 +103,22 @@ void Play(const ReplayRequest& request,
   const VinsConfig vins = ReadVinsConfig(request.camera);
   VioTopics topics;
   topics.image = vins.image_topic;
-  result->bag = ReplayBag(request.bag, topics, assembler, callbacks);
+  result->bag = ReplayBag(request.bag, request.virtual_bag, topics, assembler, callbacks);
   if (request.show_progress) {
     progress.Finish(static_cast<std::size_t>(result->bag.messages),
                     fmt::format("{} loops", accepted));
   }
 }
 
-/// Positions of the session's own keyframes where the truth covers them.
-struct Paired {
-  std::vector<Eigen::Vector3d> truth;
-  std::vector<Eigen::Vector3d> corrected;
-  std::vector<Eigen::Vector3d> vio;
-};
-
-void Judge(const ReplayRequest& request, const Rigid3& T_B_C, ReplayResult* result) {
-  const Trajectory truth = ReadTum(request.groundtruth);
-  Trajectory map_truth;
-  if (!request.map_groundtruth.empty()) {
-    map_truth = ReadTum(request.map_groundtruth);
-  }
-  constexpr std::int64_t kMaxGapNs = 100'000'000;
-  std::vector<TrueKeyframe> keyframes;
-  Paired own;
-  Paired map;
-  for (const KeyframeInfo& info : result->keyframes) {
-    TrueKeyframe keyframe;
-    keyframe.stamp_ns = info.stamp_ns;
-    keyframe.is_old_only = info.index < result->map_keyframes;
-    keyframe.T_truth_B = (keyframe.is_old_only ? map_truth : truth).At(info.stamp_ns, kMaxGapNs);
-    keyframes.push_back(keyframe);
-    if (keyframe.T_truth_B) {
-      Paired& paired = keyframe.is_old_only ? map : own;
-      paired.truth.push_back(keyframe.T_truth_B->t);
-      paired.corrected.push_back(info.T_M_B.t);
-      paired.vio.push_back(info.T_W_B.t);
+/// "r,found,correct,precision,recall", r falling.
+void WriteSweep(const fs::path& path, const std::vector<SweepPoint>& sweep) {
+  WriteFileAtomically(path, [&sweep](std::ostream& out) {
+    out << "r,found,correct,precision,recall\n";
+    for (const SweepPoint& p : sweep) {
+      out << fmt::format(
+          "{:.9g},{},{},{:.6f},{:.6f}\n", p.r, p.found, p.correct, p.precision, p.recall);
     }
-  }
-  std::vector<EvaluatedLoop> loops;
-  for (const LoopRow& loop : result->loops) {
-    if (loop.accepted()) {
-      loops.push_back({loop.old, loop.current, loop.T_Bold_Bcurrent});
-    }
-  }
-  result->score = ScoreLoops(keyframes, loops, T_B_C);
-  if (own.truth.size() >= 3) {
-    result->ape = ComputeApe(own.truth, own.corrected);
-    result->vio_ape = ComputeApe(own.truth, own.vio);
-  }
-  if (map.truth.size() >= 3 && !own.truth.empty()) {
-    const Rigid3 T_truth_M = ComputeApe(map.truth, map.corrected).T_truth_estimate;
-    for (Eigen::Vector3d& p : own.corrected) {
-      p = T_truth_M * p;
-    }
-    result->map_frame_ape = ComputeApeUnaligned(own.truth, own.corrected);
-  }
+  });
 }
 
 }  // namespace
@@ -179,65 +150,32 @@ ReplayResult RunReplay(const ReplayRequest& request) {
   }
   DivideTimes(closer.keyframe_count() - result.map_keyframes, &result);
   result.places = closer.place_count();
+  result.views = closer.view_counts();
+  if (result.views.kept > 0) {
+    result.view_memory_kb = static_cast<double>(closer.view_memory_bytes()) / 1024.0 /
+                            static_cast<double>(result.views.kept);
+  }
   result.core_memory_mb = static_cast<double>(closer.memory_bytes()) / (1024.0 * 1024.0);
   const Usage after = ProcessUsage();
   result.cpu_s = after.cpu_s - before.cpu_s;
   result.peak_rss_mb = after.peak_rss_mb;
   result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!request.groundtruth.empty()) {
-    Judge(request, vins.T_B_C, &result);
+    JudgeReplay(request, vins.T_B_C, &result);
   }
   if (!request.out.empty()) {
     WriteResultFiles(request.out, result.keyframes, result.map_keyframes, result.loops);
+    Trajectory places;
+    for (const KeyframeInfo& keyframe : result.keyframes) {
+      if (keyframe.is_place) {
+        places.stamps_ns.push_back(keyframe.stamp_ns);
+        places.poses.push_back(keyframe.T_M_B);
+      }
+    }
+    WriteTum(request.out / "places.txt", places);
+    WriteSweep(request.out / "sweep.csv", result.detections);
   }
   return result;
-}
-
-nlohmann::ordered_json ToJson(const ReplayResult& r) {
-  nlohmann::ordered_json json;
-  const auto statistic =
-      [&](const char* key, const std::optional<ApeStatistics>& ape, double ApeStatistics::*member) {
-        json[key] = ape ? nlohmann::ordered_json((*ape).*member) : nlohmann::ordered_json(nullptr);
-      };
-  const auto accepted =
-      std::count_if(r.loops.begin(), r.loops.end(), [](const LoopRow& l) { return l.accepted(); });
-  json["keyframes"] = static_cast<int>(r.keyframes.size()) - r.map_keyframes;
-  json["map_keyframes"] = r.map_keyframes;
-  json["places"] = r.places;
-  json["revisits"] = r.score ? nlohmann::ordered_json(r.score->revisits) : nullptr;
-  json["loops_accepted"] = accepted;
-  json["loops_correct"] = r.score ? nlohmann::ordered_json(r.score->correct) : nullptr;
-  json["precision"] = r.score ? nlohmann::ordered_json(r.score->precision()) : nullptr;
-  json["recall"] = r.score ? nlohmann::ordered_json(r.score->recall()) : nullptr;
-  statistic("ape_mean_m", r.ape, &ApeStatistics::mean);
-  statistic("ape_rmse_m", r.ape, &ApeStatistics::rmse);
-  statistic("ape_max_m", r.ape, &ApeStatistics::max);
-  statistic("ape_min_m", r.ape, &ApeStatistics::min);
-  statistic("ape_median_m", r.ape, &ApeStatistics::median);
-  statistic("vio_ape_mean_m", r.vio_ape, &ApeStatistics::mean);
-  statistic("vio_ape_rmse_m", r.vio_ape, &ApeStatistics::rmse);
-  statistic("vio_ape_max_m", r.vio_ape, &ApeStatistics::max);
-  statistic("map_frame_ape_mean_m", r.map_frame_ape, &ApeStatistics::mean);
-  statistic("map_frame_ape_rmse_m", r.map_frame_ape, &ApeStatistics::rmse);
-  json["cpu_s"] = r.cpu_s;
-  json["wall_s"] = r.wall_s;
-  json["peak_rss_mb"] = r.peak_rss_mb;
-  json["core_memory_mb"] = r.core_memory_mb;
-  json["features_ms"] = r.mean_times.features;
-  json["words_ms"] = r.mean_times.words;
-  json["query_ms"] = r.mean_times.query;
-  json["verification_ms"] = r.mean_times.verification;
-  json["graph_ms"] = r.mean_times.graph;
-  json["slowest_keyframe_ms"] = r.slowest_keyframe_ms;
-  json["problems"] = r.problems.size();
-  nlohmann::ordered_json reasons;
-  for (int i = 0; i < kRejectReasonCount; ++i) {
-    const auto reason = static_cast<RejectReason>(i);
-    reasons[ToString(reason)] = std::count_if(
-        r.loops.begin(), r.loops.end(), [&](const LoopRow& l) { return l.reason == reason; });
-  }
-  json["reasons"] = reasons;
-  return json;
 }
 
 }  // namespace deja_view

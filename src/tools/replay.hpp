@@ -2,6 +2,7 @@
 
 #include "deja_view/evaluation/ape.hpp"
 #include "deja_view/evaluation/loop_score.hpp"
+#include "deja_view/evaluation/threshold_sweep.hpp"
 #include "deja_view/geometry/trajectory.hpp"
 #include "deja_view/pipeline/loop_closer.hpp"
 #include "deja_view/ros/bag_replay.hpp"
@@ -18,6 +19,7 @@ namespace deja_view {
 /// What `deja_view replay` is told.
 struct ReplayRequest {
   std::filesystem::path bag;
+  std::filesystem::path virtual_bag;      ///< with /virtual_cam0/frame; empty: the bag's own
   std::filesystem::path camera;           ///< VINS-Mono's YAML
   std::filesystem::path config;           ///< LoopFusionOptions; empty: defaults
   std::filesystem::path vocabulary;       ///< empty: the shipped one for the configured descriptor
@@ -26,7 +28,9 @@ struct ReplayRequest {
   std::filesystem::path load_map;
   std::filesystem::path save_map;
   std::filesystem::path out;
-  std::vector<std::string> overrides;  ///< "group.key=value" on top of the config
+  std::vector<std::string> overrides;    ///< "group.key=value" on top of the config
+  bool use_virtual_views = true;         ///< the bag's /virtual_cam0/frame and the loaded map's
+  std::optional<LoopCriteria> revisits;  ///< of a loaded map's places; default: as everywhere
   bool show_progress = true;
 };
 
@@ -38,7 +42,13 @@ struct ReplayResult {
   std::vector<KeyframeInfo> keyframes;  ///< the loaded map's first
   int map_keyframes = 0;                ///< how many of them are the loaded map's
   std::vector<LoopRow> loops;           ///< in the order in which they were decided
-  std::vector<std::string> problems;    ///< messages and keyframes that could not be used
+  /// Per keyframe with something to be matched with: (current, best past keyframe, score).
+  struct Best {
+    int current = -1;
+    BestPlace place;
+  };
+  std::vector<Best> best_places;
+  std::vector<std::string> problems;  ///< messages and keyframes that could not be used
   ReplayReport bag;
   int places = 0;
   double core_memory_mb = 0;
@@ -47,8 +57,18 @@ struct ReplayResult {
   double peak_rss_mb = 0;
   KeyframeTimes mean_times;  ///< [ms] per keyframe
   double slowest_keyframe_ms = 0;
+  ViewCounts views;
+  double view_memory_kb = 0;  ///< per view kept, with its part of the index
   // With ground truth.
   std::optional<LoopScore> score;
+  int virtual_loops = 0;  ///< accepted, with virtual views
+  int virtual_correct = 0;
+  /// Keyframes near a place of the loaded map by the criteria, and those with a correct loop to it.
+  int map_revisits = 0;
+  int map_revisits_found = 0;
+  /// Places told by score alone, without geometry: the paper's Fig. 20.
+  std::vector<SweepPoint> detections;
+  double recall_at_precision_1 = 0;  ///< of the loops, when only those of a score from some r count
   std::optional<ApeStatistics> ape;
   std::optional<ApeStatistics> vio_ape;
   std::optional<ApeStatistics>
@@ -57,6 +77,9 @@ struct ReplayResult {
 
 /// Runs LoopCloser over a bag and judges the result. Throws InputError for bad input.
 ReplayResult RunReplay(const ReplayRequest& request);
+
+/// Fills in what can be told with `request.groundtruth`. Throws InputError for bad files.
+void JudgeReplay(const ReplayRequest& request, const Rigid3& T_B_C, ReplayResult* result);
 
 /// The documented JSON keys; null where there is no ground truth.
 nlohmann::ordered_json ToJson(const ReplayResult& result);

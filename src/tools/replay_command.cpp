@@ -30,6 +30,20 @@ void PrintTable(const ReplayResult& r) {
                              r.score->revisits);
   }
   std::cout << "\n";
+  if (r.map_revisits > 0) {
+    std::cout << fmt::format("places of the map: {} of {} revisits found, {:.3f}\n",
+                             r.map_revisits_found,
+                             r.map_revisits,
+                             1.0 * r.map_revisits_found / r.map_revisits);
+  }
+  if (r.views.kept > 0 || r.views.received > 0) {
+    std::cout << fmt::format(
+        "virtual views: {} received, {} kept, {:.1f} kB each; loops with them {}\n",
+        r.views.received,
+        r.views.kept,
+        r.view_memory_kb,
+        r.virtual_loops);
+  }
   if (r.ape) {
     std::cout << "APE [m]      mean    rmse     max  median     min\n";
     const auto row = [](const char* name, const std::optional<ApeStatistics>& ape) {
@@ -71,6 +85,9 @@ void AddReplayCommand(CLI::App& app, Command* command) {
   CLI::App* sub =
       app.add_subcommand("replay", "Close loops over a bag of VINS-Mono's topics at full speed");
   sub->add_option("--bag", request->bag, "Bag with images and VINS-Mono's keyframes")->required();
+  sub->add_option("--virtual-bag",
+                  request->virtual_bag,
+                  "Bag with virtual views (/virtual_cam0/frame); without, those of --bag");
   sub->add_option("--camera", request->camera, "Camera YAML, as VINS-Mono's")->required();
   sub->add_option("--config", request->config, "Loop closer's YAML; defaults without");
   sub->add_option("--set", request->overrides, "Override of the config: group.key=value")
@@ -83,12 +100,32 @@ void AddReplayCommand(CLI::App& app, Command* command) {
   sub->add_option("--save-map", request->save_map, "Directory to save the map to");
   sub->add_option("--out", request->out, "Directory for trajectory.txt, vio.txt and loops.csv");
   sub->add_option("--json", *json_file, "File for the results");
+  sub->add_flag_callback(
+      "--quiet", [request] { request->show_progress = false; }, "No progress");
   sub->add_option_function<double>(
       "--map-spacing",
       [request](double spacing) {
         request->overrides.push_back(fmt::format("map_spacing_m={}", spacing));
       },
       "Keep a keyframe as a place only when none is within so many metres (and 30 degrees)");
+  sub->add_option_function<std::string>(
+         "--virtual",
+         [request](const std::string& value) { request->use_virtual_views = value == "on"; },
+         "Use the virtual views of the bag and of the loaded map: on (default) or off")
+      ->check(CLI::IsMember({"on", "off"}));
+  sub->add_flag_callback(
+      "--localise",
+      [request] { request->overrides.emplace_back("add_places=false"); },
+      "Only look for the loaded map's places");
+  sub->add_option_function<std::vector<double>>(
+         "--revisit",
+         [request](const std::vector<double>& limits) {
+           request->revisits.emplace();
+           request->revisits->revisit_distance_m = limits[0];
+           request->revisits->revisit_angle_deg = limits[1];
+         },
+         "What counts as seeing a place of the loaded map again: metres, degrees (2 40)")
+      ->expected(2);
   sub->footer(
       "Example:\n  deja_view replay --bag hall.bag --camera euroc.yaml --groundtruth truth.txt "
       "--out out");

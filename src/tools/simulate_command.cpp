@@ -6,6 +6,7 @@
 #include "deja_view/io/options_yaml.hpp"
 #include "deja_view/io/tum.hpp"
 #include "deja_view/sim/camera_yaml.hpp"
+#include "deja_view/sim/exact_views.hpp"
 #include "deja_view/sim/simulator.hpp"
 
 #include <chrono>
@@ -16,6 +17,7 @@
 #include <utility>
 
 #include "commands.hpp"
+#include "exact_views.hpp"
 #include "interrupt.hpp"
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
@@ -87,6 +89,9 @@ class FlightFiles : public sim::FlightSink {
     if (request.bag) {
       bag_ = std::make_unique<FlightBag>(
           request.out / "flight.bag", simulator.camera(), simulator.T_B_C());
+      if (!request.virtual_views.empty()) {
+        views_.emplace(simulator, request);
+      }
     }
 #endif
   }
@@ -115,6 +120,14 @@ class FlightFiles : public sim::FlightSink {
     vio.poses.push_back(keyframe.T_W_B);
     points += keyframe.points.size();
     PassOn([&](FlightSink& sink) { sink.OnKeyframe(arrival_ns, keyframe); });
+#ifdef DEJA_VIEW_WITH_ROS
+    if (views_) {
+      for (const VirtualView& view : views_->Render(keyframe.stamp_ns)) {
+        bag_->AddVirtualView(arrival_ns, view);
+        ++virtual_views;
+      }
+    }
+#endif
   }
 
   /// Gives all files their names.
@@ -135,6 +148,7 @@ class FlightFiles : public sim::FlightSink {
   Trajectory vio;
   std::size_t points = 0;
   std::size_t imu_samples = 0;
+  std::size_t virtual_views = 0;
 
  private:
   template <typename Call>
@@ -155,7 +169,26 @@ class FlightFiles : public sim::FlightSink {
 #ifdef DEJA_VIEW_WITH_ROS
   std::unique_ptr<FlightBag> bag_;
 #endif
+  std::optional<ExactViews> views_;
 };
+
+SimulateRequest Completed(SimulateRequest request) {
+  if (request.images.empty()) {
+    request.images = request.bag ? "none" : "png";
+  }
+#ifndef DEJA_VIEW_WITH_ROS
+  if (request.bag) {
+    ThrowInputError("--bag: this deja_view was built without ROS; images and poses work");
+  }
+#endif
+  if (!request.virtual_views.empty() && !request.bag && request.views_for.empty()) {
+    ThrowInputError("--virtual-views {}: they go into the bag; expected --bag as well",
+                    request.virtual_views);
+  }
+  return request;
+}
+
+}  // namespace
 
 sim::SimOptions ReadSimOptions(const SimulateRequest& request) {
   sim::SimOptions options = sim::MakePreset(request.preset);
@@ -167,20 +200,6 @@ sim::SimOptions ReadSimOptions(const SimulateRequest& request) {
   }
   return options;
 }
-
-SimulateRequest Completed(SimulateRequest request) {
-  if (request.images.empty()) {
-    request.images = request.bag ? "none" : "png";
-  }
-#ifndef DEJA_VIEW_WITH_ROS
-  if (request.bag) {
-    ThrowInputError("--bag: this deja_view was built without ROS; images and poses work");
-  }
-#endif
-  return request;
-}
-
-}  // namespace
 
 nlohmann::ordered_json RunSimulate(const SimulateRequest& unfinished_request) {
   const SimulateRequest request = Completed(unfinished_request);
@@ -221,9 +240,33 @@ nlohmann::ordered_json RunSimulate(const SimulateRequest& unfinished_request) {
           {"images", simulator.image_count()},
           {"imu_samples", files.imu_samples},
           {"keyframes", files.vio.size()},
+          {"virtual_views", files.virtual_views},
           {"points_per_keyframe", static_cast<double>(files.points) / keyframes},
           {"wall_s", wall.count()}};
 }
+
+namespace {
+
+void PrintViews(const SimulateRequest& request, const nlohmann::ordered_json& json) {
+  std::cout << fmt::format("{}: {} views, {:.1f} s\n",
+                           (request.out / "views.bag").string(),
+                           json["virtual_views"].get<std::size_t>(),
+                           json["wall_s"].get<double>());
+}
+
+void PrintFlight(const SimulateRequest& request, const nlohmann::ordered_json& json) {
+  std::cout << fmt::format(
+      "{}: {} images, {} keyframes with {:.0f} points, path {:.1f} m, drift {:.2f} %, {:.1f} s\n",
+      request.out.string(),
+      json["images"].get<std::size_t>(),
+      json["keyframes"].get<std::size_t>(),
+      json["points_per_keyframe"].get<double>(),
+      json["path_m"].get<double>(),
+      100 * json["drift"].get<double>(),
+      json["wall_s"].get<double>());
+}
+
+}  // namespace
 
 void AddSimulateCommand(CLI::App& app, Command* command) {
   auto request = std::make_shared<SimulateRequest>();
@@ -263,6 +306,18 @@ void AddSimulateCommand(CLI::App& app, Command* command) {
   sub->add_option("--images", request->images, "Write images/<stamp>: png, jpg or none")
       ->check(CLI::IsMember({"png", "jpg", "none"}));
   sub->add_flag("--ranges", request->ranges, "Write ranges/<stamp>.png, 16-bit mm along the ray");
+  sub->add_option("--virtual-views",
+                  request->virtual_views,
+                  "Add exact views beside every keyframe to the bag: paper (2 within 2 cm) or wide "
+                  "(4 at 0.3 to 0.8 m)")
+      ->check(CLI::IsMember(sim::ExactViewPresetNames()));
+  sub->add_option("--views-for",
+                  request->views_for,
+                  "TUM file of a flight simulated before (same seeds or --config): only render the "
+                  "views of these stamps, to views.bag");
+  sub->add_option("--virtual-content", request->virtual_content, "What they hold")
+      ->check(CLI::IsMember({"features", "image", "both"}))
+      ->capture_default_str();
   sub->add_option("--json", *json_file, "File for the figures");
   sub->add_flag_callback(
       "--quiet", [request] { request->show_progress = false; }, "No progress");
@@ -273,7 +328,7 @@ void AddSimulateCommand(CLI::App& app, Command* command) {
     *command = [=] {
       nlohmann::ordered_json json;
       try {
-        json = RunSimulate(*request);
+        json = request->views_for.empty() ? RunSimulate(*request) : RunSimulateViews(*request);
       } catch (const Interrupted& e) {
         std::cerr << "deja_view: " << e.what() << "\n";
         return 130;  // as shells report a program that Ctrl-C ended
@@ -281,16 +336,7 @@ void AddSimulateCommand(CLI::App& app, Command* command) {
       if (!json_file->empty()) {
         WriteFileAtomically(*json_file, [&](std::ostream& out) { out << json.dump(2) << "\n"; });
       }
-      std::cout << fmt::format(
-          "{}: {} images, {} keyframes with {:.0f} points, path {:.1f} m, drift {:.2f} %, {:.1f} "
-          "s\n",
-          request->out.string(),
-          json["images"].get<std::size_t>(),
-          json["keyframes"].get<std::size_t>(),
-          json["points_per_keyframe"].get<double>(),
-          json["path_m"].get<double>(),
-          100 * json["drift"].get<double>(),
-          json["wall_s"].get<double>());
+      (request->views_for.empty() ? PrintFlight : PrintViews)(*request, json);
       return 0;
     };
   });

@@ -64,6 +64,13 @@ std::vector<std::string> LoopVerifierOptions::Validate() const {
   require(max_yaw_deg > 0, "max_yaw_deg must be positive");
   require(max_gravity_deg > 0, "max_gravity_deg must be positive");
   require(max_sigma_m > 0, "max_sigma_m must be positive");
+  require(rig.min_inliers >= 4, "rig.min_inliers must be at least 4");
+  require(rig.min_inlier_ratio >= 0 && rig.min_inlier_ratio <= 1,
+          "rig.min_inlier_ratio must be in [0, 1]");
+  require(rig.min_cells >= 1 && rig.min_cells <= kCellColumns * kCellRows,
+          "rig.min_cells must be in 1..48");
+  require(rig.max_gravity_deg > 0, "rig.max_gravity_deg must be positive");
+  require(rig.max_sigma_m > 0, "rig.max_sigma_m must be positive");
   require(pose.inlier_threshold_px > 0, "pose.inlier_threshold_px must be positive");
   require(pose.ransac_threshold_px > 0, "pose.ransac_threshold_px must be positive");
   require(pose.pixel_sigma > 0, "pose.pixel_sigma must be positive");
@@ -73,15 +80,32 @@ std::vector<std::string> LoopVerifierOptions::Validate() const {
   return errors;
 }
 
-/// Point `point` of one keyframe seen as keypoint `keypoint` of the other.
+/// Points of one keyframe looked for in an image of the other; each with its camera.
+struct LoopVerifier::Link {
+  const KeyframeFeatures* points;
+  const Camera* points_camera;
+  const KeyframeFeatures* image;
+  const Camera* image_camera;
+  bool is_reverse;  ///< points of the old keyframe in the current image
+};
+
+/// Point `point` of a link's points seen as keypoint `keypoint` of its image.
 struct LoopVerifier::Match {
   int point = -1;
   int keypoint = -1;
+  std::size_t link = 0;
 };
 
 struct LoopVerifier::Problem {
   std::vector<PointObservation> observations;
-  std::vector<Match> matches;  ///< per observation
+  std::vector<Match> matches;              ///< per observation
+  std::vector<std::vector<bool>> visible;  ///< per link: points that fall into the image
+};
+
+/// Two keyframes: the links between their cameras, the two real ones first.
+struct LoopVerifier::Pair {
+  std::vector<Link> links;
+  GravityPair gravity;
 };
 
 LoopVerifier::LoopVerifier(const LoopVerifierOptions& options, std::shared_ptr<const Camera> camera)
@@ -89,11 +113,10 @@ LoopVerifier::LoopVerifier(const LoopVerifierOptions& options, std::shared_ptr<c
   DEJA_VIEW_CHECK(camera_ != nullptr);
 }
 
-std::vector<LoopVerifier::Match> LoopVerifier::MatchAll(const KeyframeFeatures& points,
-                                                        const KeyframeFeatures& image) const {
+std::vector<LoopVerifier::Match> LoopVerifier::MatchAll(const Link& link) const {
   std::vector<Match> matches;
   const std::vector<HammingMatch> nearest =
-      MatchHamming(points.point_descriptors, image.descriptors);
+      MatchHamming(link.points->point_descriptors, link.image->descriptors);
   for (std::size_t i = 0; i < nearest.size(); ++i) {
     const HammingMatch& n = nearest[i];
     if (n.best >= 0 && n.best_distance <= options_.max_distance &&
@@ -104,20 +127,23 @@ std::vector<LoopVerifier::Match> LoopVerifier::MatchAll(const KeyframeFeatures& 
   return matches;
 }
 
-std::vector<LoopVerifier::Match> LoopVerifier::MatchGuided(const KeyframeFeatures& points,
-                                                           const KeyframeFeatures& image,
+std::vector<LoopVerifier::Match> LoopVerifier::MatchGuided(const Link& link,
                                                            const Rigid3& T_image_points,
                                                            double radius_px,
-                                                           int* visible) const {
-  const KeypointGrid grid(image.keypoints, camera_->width(), camera_->height(), kGridCellPx);
+                                                           std::vector<bool>* visible) const {
+  const KeyframeFeatures& points = *link.points;
+  const KeyframeFeatures& image = *link.image;
+  const Camera& camera = *link.image_camera;
+  const KeypointGrid grid(image.keypoints, camera.width(), camera.height(), kGridCellPx);
   const Rigid3 T_C_points = image.T_B_C.Inverse() * T_image_points;
   std::vector<Match> matches;
+  visible->assign(points.points_B.size(), false);
   for (std::size_t i = 0; i < points.points_B.size(); ++i) {
-    const auto pixel = camera_->Project(T_C_points * ToDouble(points.points_B[i]));
-    if (!pixel || !camera_->IsInImage(*pixel)) {
+    const auto pixel = camera.Project(T_C_points * ToDouble(points.points_B[i]));
+    if (!pixel || !camera.IsInImage(*pixel)) {
       continue;
     }
-    ++*visible;
+    (*visible)[i] = true;
     Match best{static_cast<int>(i), -1};
     int best_distance = options_.guided_max_distance + 1;
     grid.ForEachNear(pixel->cast<float>(), static_cast<float>(radius_px), [&](int keypoint) {
@@ -135,11 +161,12 @@ std::vector<LoopVerifier::Match> LoopVerifier::MatchGuided(const KeyframeFeature
   return matches;
 }
 
-void LoopVerifier::AddObservations(const std::vector<Match>& matches,
-                                   const KeyframeFeatures& points,
-                                   const KeyframeFeatures& image,
-                                   bool is_reverse,
+void LoopVerifier::AddObservations(const Link& link,
+                                   std::size_t index,
+                                   const std::vector<Match>& matches,
                                    Problem* problem) const {
+  const KeyframeFeatures& points = *link.points;
+  const KeyframeFeatures& image = *link.image;
   for (const Match& match : matches) {
     PointObservation o;
     o.point = ToDouble(points.points_B[static_cast<std::size_t>(match.point)]);
@@ -147,38 +174,34 @@ void LoopVerifier::AddObservations(const std::vector<Match>& matches,
     o.sight = from_camera.normalized();
     o.depth_sigma = points.point_depth_sigmas[static_cast<std::size_t>(match.point)];
     const Eigen::Vector2f& pixel = image.keypoints[static_cast<std::size_t>(match.keypoint)];
-    o.bearing = image.T_B_C.q * camera_->Unproject(pixel.cast<double>());
+    o.bearing = image.T_B_C.q * link.image_camera->Unproject(pixel.cast<double>());
     o.centre = image.T_B_C.t;
-    o.is_reverse = is_reverse;
+    o.is_reverse = link.is_reverse;
     problem->observations.push_back(o);
-    problem->matches.push_back(match);
+    problem->matches.push_back({match.point, match.keypoint, index});
   }
 }
 
-void LoopVerifier::MatchBothWays(const KeyframeFeatures& current,
-                                 const KeyframeFeatures& old,
-                                 const Rigid3& T_old_current,
-                                 double radius_px,
-                                 Problem* problem,
-                                 int* visible) const {
-  *problem = Problem{};
-  *visible = 0;
-  AddObservations(
-      MatchGuided(current, old, T_old_current, radius_px, visible), current, old, false, problem);
-  AddObservations(MatchGuided(old, current, T_old_current.Inverse(), radius_px, visible),
-                  old,
-                  current,
-                  true,
-                  problem);
+LoopVerifier::Problem LoopVerifier::MatchAround(const Pair& pair,
+                                                const Rigid3& T_old_current,
+                                                double radius_px) const {
+  Problem problem;
+  problem.visible.resize(pair.links.size());
+  const Rigid3 T_current_old = T_old_current.Inverse();
+  for (std::size_t i = 0; i < pair.links.size(); ++i) {
+    const Link& link = pair.links[i];
+    const Rigid3& T_image_points = link.is_reverse ? T_current_old : T_old_current;
+    AddObservations(
+        link, i, MatchGuided(link, T_image_points, radius_px, &problem.visible[i]), &problem);
+  }
+  return problem;
 }
 
-std::optional<Rigid3> LoopVerifier::FirstPose(const KeyframeFeatures& current,
-                                              const KeyframeFeatures& old,
-                                              const GravityPair& gravity,
-                                              Verification* v) const {
+std::optional<Rigid3> LoopVerifier::FirstPose(const Pair& pair, Verification* v) const {
   Problem problem;
-  AddObservations(MatchAll(current, old), current, old, false, &problem);
-  AddObservations(MatchAll(old, current), old, current, true, &problem);
+  for (std::size_t i = 0; i < pair.links.size(); ++i) {
+    AddObservations(pair.links[i], i, MatchAll(pair.links[i]), &problem);
+  }
   v->matches = static_cast<int>(problem.observations.size());
   if (v->matches < options_.min_matches) {
     v->reason = RejectReason::kTooFewMatches;
@@ -186,7 +209,7 @@ std::optional<Rigid3> LoopVerifier::FirstPose(const KeyframeFeatures& current,
   }
   const double focal = camera_->FocalLength();
   const RansacResult ransac =
-      EstimateRelativePose(problem.observations, gravity, focal, options_.pose);
+      EstimateRelativePose(problem.observations, pair.gravity, focal, options_.pose);
   v->ransac_inliers = static_cast<int>(ransac.inliers.size());
   if (v->ransac_inliers < options_.min_ransac_inliers) {
     v->reason = RejectReason::kTooFewInliers;
@@ -196,11 +219,11 @@ std::optional<Rigid3> LoopVerifier::FirstPose(const KeyframeFeatures& current,
   for (const int i : ransac.inliers) {
     supported.push_back(problem.observations[static_cast<std::size_t>(i)]);
   }
-  return RefineRelativePose(ransac.T_O_U, supported, gravity, true, focal, options_.pose).T_O_U;
+  return RefineRelativePose(ransac.T_O_U, supported, pair.gravity, true, focal, options_.pose)
+      .T_O_U;
 }
 
-void LoopVerifier::Summarise(const KeyframeFeatures& current,
-                             const KeyframeFeatures& old,
+void LoopVerifier::Summarise(const Pair& pair,
                              const Problem& problem,
                              const RefinedPose& pose,
                              Verification* v) const {
@@ -208,35 +231,73 @@ void LoopVerifier::Summarise(const KeyframeFeatures& current,
   v->covariance = pose.covariance;
   v->rmse_px = pose.rmse_px;
   v->inliers = static_cast<int>(pose.inliers.size());
+  v->found = v->inliers;
+  v->visible = 0;
+  for (const std::vector<bool>& visible : problem.visible) {
+    v->visible += static_cast<int>(std::count(visible.begin(), visible.end(), true));
+  }
   CellSet old_cells;
   CellSet current_cells;
   for (const int i : pose.inliers) {
     const Match& match = problem.matches[static_cast<std::size_t>(i)];
-    const bool is_reverse = problem.observations[static_cast<std::size_t>(i)].is_reverse;
-    const KeyframeFeatures& points = is_reverse ? old : current;
-    const KeyframeFeatures& image = is_reverse ? current : old;
-    (is_reverse ? old_cells : current_cells)
-        .set(CellOf(points.point_pixels[static_cast<std::size_t>(match.point)], *camera_));
-    (is_reverse ? current_cells : old_cells)
-        .set(CellOf(image.keypoints[static_cast<std::size_t>(match.keypoint)], *camera_));
-    if (!is_reverse) {
+    const Link& link = pair.links[match.link];
+    (link.is_reverse ? old_cells : current_cells)
+        .set(CellOf(link.points->point_pixels[static_cast<std::size_t>(match.point)],
+                    *link.points_camera));
+    (link.is_reverse ? current_cells : old_cells)
+        .set(CellOf(link.image->keypoints[static_cast<std::size_t>(match.keypoint)],
+                    *link.image_camera));
+    if (match.link == 0) {
       v->point_matches.push_back({match.point, match.keypoint});
     }
   }
   v->cells = static_cast<int>(std::min(old_cells.count(), current_cells.count()));
 }
 
-Verification LoopVerifier::Verify(const KeyframeFeatures& current,
-                                  const Eigen::Quaterniond& q_W_Bcurrent,
-                                  const KeyframeFeatures& old,
-                                  const Eigen::Quaterniond& q_W_Bold) const {
-  Verification v;
-  const GravityPair gravity{LevelRotation(q_W_Bold), LevelRotation(q_W_Bcurrent)};
-  const auto refine = [&](const Rigid3& start, const Problem& problem, bool use_gravity) {
-    return RefineRelativePose(
-        start, problem.observations, gravity, use_gravity, camera_->FocalLength(), options_.pose);
+// What several cameras of the rig show is one piece of evidence, and no more certain for that: the
+// views come from one model.
+void LoopVerifier::CountOnce(const Pair& pair,
+                             const Problem& problem,
+                             const RefinedPose& pose,
+                             Verification* v) const {
+  std::vector<bool> is_visible(pair.links.front().points->points_B.size(), false);
+  std::vector<bool> is_found(is_visible.size(), false);
+  std::vector<bool> is_seen(pair.links[1].image->keypoints.size(), false);
+  for (std::size_t i = 0; i < pair.links.size(); ++i) {
+    for (std::size_t k = 0; k < is_visible.size() && !pair.links[i].is_reverse; ++k) {
+      is_visible[k] = is_visible[k] || problem.visible[i][k];
+    }
+  }
+  for (const int i : pose.inliers) {
+    const Match& match = problem.matches[static_cast<std::size_t>(i)];
+    if (pair.links[match.link].is_reverse) {
+      is_seen[static_cast<std::size_t>(match.keypoint)] = true;
+    } else {
+      is_found[static_cast<std::size_t>(match.point)] = true;
+    }
+  }
+  const auto count = [](const std::vector<bool>& flags) {
+    return static_cast<int>(std::count(flags.begin(), flags.end(), true));
   };
-  const std::optional<Rigid3> first = FirstPose(current, old, gravity, &v);
+  v->visible = count(is_visible);
+  v->found = count(is_found);
+  v->inliers = v->found + count(is_seen);
+  if (v->inliers > 0) {
+    v->covariance *= static_cast<double>(pose.inliers.size()) / v->inliers;
+  }
+}
+
+Verification LoopVerifier::Solve(const Pair& pair) const {
+  Verification v;
+  const auto refine = [&](const Rigid3& start, const Problem& problem, bool use_gravity) {
+    return RefineRelativePose(start,
+                              problem.observations,
+                              pair.gravity,
+                              use_gravity,
+                              camera_->FocalLength(),
+                              options_.pose);
+  };
+  const std::optional<Rigid3> first = FirstPose(pair, &v);
   if (!first) {
     return v;
   }
@@ -244,7 +305,7 @@ Verification LoopVerifier::Verify(const KeyframeFeatures& current,
   Problem guided;
   Rigid3 T_old_current = *first;
   for (const double radius_px : {options_.guided_radius_px, options_.final_radius_px}) {
-    MatchBothWays(current, old, T_old_current, radius_px, &guided, &v.visible);
+    guided = MatchAround(pair, T_old_current, radius_px);
     v.guided = static_cast<int>(guided.observations.size());
     if (v.guided < options_.min_ransac_inliers) {
       v.reason = RejectReason::kTooFewInliers;
@@ -252,20 +313,70 @@ Verification LoopVerifier::Verify(const KeyframeFeatures& current,
     }
     T_old_current = refine(T_old_current, guided, true).T_O_U;
   }
-  v.gravity_disagreement = GravityDisagreement(refine(T_old_current, guided, false).T_O_U, gravity);
-  Summarise(current, old, guided, refine(T_old_current, guided, true), &v);
-  v.reason = Gate(v);
+  v.gravity_disagreement =
+      GravityDisagreement(refine(T_old_current, guided, false).T_O_U, pair.gravity);
+  const RefinedPose pose = refine(T_old_current, guided, true);
+  Summarise(pair, guided, pose, &v);
+  const bool has_rig = pair.links.size() > 2;
+  if (has_rig) {
+    CountOnce(pair, guided, pose, &v);
+  }
+  v.reason = Gate(v,
+                  has_rig ? options_.rig
+                          : RigGates{options_.min_inliers,
+                                     options_.min_inlier_ratio,
+                                     options_.min_cells,
+                                     options_.max_gravity_deg,
+                                     options_.max_sigma_m});
   return v;
 }
 
-RejectReason LoopVerifier::Gate(const Verification& v) const {
-  if (v.inliers < options_.min_inliers) {
+Verification LoopVerifier::Verify(const KeyframeFeatures& current,
+                                  const Eigen::Quaterniond& q_W_Bcurrent,
+                                  const KeyframeFeatures& old,
+                                  const Eigen::Quaterniond& q_W_Bold) const {
+  return VerifyRig(current, q_W_Bcurrent, old, q_W_Bold, {});
+}
+
+Verification LoopVerifier::VerifyRig(const KeyframeFeatures& current,
+                                     const Eigen::Quaterniond& q_W_Bcurrent,
+                                     const KeyframeFeatures& old,
+                                     const Eigen::Quaterniond& q_W_Bold,
+                                     const std::vector<RigCamera>& virtual_cameras) const {
+  Pair pair;
+  pair.gravity = {LevelRotation(q_W_Bold), LevelRotation(q_W_Bcurrent)};
+  const Camera* camera = camera_.get();
+  pair.links = {{&current, camera, &old, camera, false}, {&old, camera, &current, camera, true}};
+  for (const RigCamera& view : virtual_cameras) {
+    pair.links.push_back({&current, camera, &view.features, view.camera.get(), false});
+    pair.links.push_back({&view.features, view.camera.get(), &current, camera, true});
+  }
+  return Solve(pair);
+}
+
+Agreement LoopVerifier::Agree(const RigCamera& virtual_camera,
+                              const KeyframeFeatures& source) const {
+  const KeyframeFeatures& view = virtual_camera.features;
+  Pair pair;
+  pair.links = {{&view, virtual_camera.camera.get(), &source, camera_.get(), false},
+                {&source, camera_.get(), &view, virtual_camera.camera.get(), true}};
+  const Problem problem = MatchAround(pair, Rigid3::Identity(), options_.final_radius_px);
+  Agreement agreement;
+  agreement.found = static_cast<int>(problem.matches.size());
+  for (const std::vector<bool>& visible : problem.visible) {
+    agreement.visible += static_cast<int>(std::count(visible.begin(), visible.end(), true));
+  }
+  return agreement;
+}
+
+RejectReason LoopVerifier::Gate(const Verification& v, const RigGates& gates) const {
+  if (v.inliers < gates.min_inliers) {
     return RejectReason::kTooFewInliers;
   }
-  if (v.inliers < options_.min_inlier_ratio * v.visible) {
+  if (v.found < gates.min_inlier_ratio * v.visible) {
     return RejectReason::kLowInlierRatio;
   }
-  if (v.cells < options_.min_cells) {
+  if (v.cells < gates.min_cells) {
     return RejectReason::kPoorSpread;
   }
   if (v.T_Bold_Bcurrent.t.norm() > options_.max_distance_m) {
@@ -274,12 +385,12 @@ RejectReason LoopVerifier::Gate(const Verification& v) const {
   if (RotationAngle(v.T_Bold_Bcurrent.q) > options_.max_yaw_deg * kDegree) {
     return RejectReason::kTooMuchYaw;
   }
-  if (v.gravity_disagreement > options_.max_gravity_deg * kDegree) {
+  if (v.gravity_disagreement > gates.max_gravity_deg * kDegree) {
     return RejectReason::kGravity;
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(v.covariance.topLeftCorner<3, 3>(),
                                                              Eigen::EigenvaluesOnly);
-  if (!(eigen.eigenvalues().maxCoeff() < options_.max_sigma_m * options_.max_sigma_m)) {
+  if (!(eigen.eigenvalues().maxCoeff() < gates.max_sigma_m * gates.max_sigma_m)) {
     return RejectReason::kUncertain;
   }
   return RejectReason::kNone;

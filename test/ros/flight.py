@@ -10,14 +10,22 @@ from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Odometry, Path
 from sensor_msgs.msg import Image, PointCloud
 
-from deja_view.msg import LoopConstraint
+from deja_view.msg import LoopConstraint, VirtualFrame
 
 IMAGE = "/cam0/image_raw"
 POSE = "/vins_estimator/keyframe_pose"
 POINTS = "/vins_estimator/keyframe_point"
 EXTRINSIC = "/vins_estimator/extrinsic"
 ODOMETRY = "/vins_estimator/odometry"
-TYPES = {IMAGE: Image, POSE: Odometry, POINTS: PointCloud, EXTRINSIC: Odometry, ODOMETRY: Odometry}
+VIRTUAL = "/virtual_cam0/frame"
+TYPES = {
+    IMAGE: Image,
+    POSE: Odometry,
+    POINTS: PointCloud,
+    EXTRINSIC: Odometry,
+    ODOMETRY: Odometry,
+    VIRTUAL: VirtualFrame,
+}
 
 
 class Flight:

@@ -4,6 +4,7 @@
 #include "deja_view/features/feature_extractor.hpp"
 #include "deja_view/pipeline/loop_closer_options.hpp"
 #include "deja_view/pipeline/loop_closer_types.hpp"
+#include "deja_view/views/virtual_view.hpp"
 #include "deja_view/vocabulary/vocabulary.hpp"
 
 #include <cstdint>
@@ -37,6 +38,13 @@ struct KeyframeTimes {
   double total() const { return features + words + query + verification + graph; }
 };
 
+/// The past keyframe that looks most like a new one, and what its island scores: with the paper's
+/// scoring the number that is compared with r, else the place database's score.
+struct BestPlace {
+  int old = -1;
+  double score = 0;
+};
+
 /// What AddKeyframe did.
 struct KeyframeReport {
   int index = -1;
@@ -47,6 +55,7 @@ struct KeyframeReport {
   /// (or were found inconsistent) now. A pair may be reported twice: first kInconsistent (pending),
   /// later accepted.
   std::vector<LoopReport> loops;
+  std::optional<BestPlace> best_place;  ///< whether or not it reached any threshold
   std::optional<Relocalisation> relocalisation;
   bool graph_changed = false;  ///< optimised poses moved: publish paths anew
   KeyframeTimes times;
@@ -57,8 +66,10 @@ struct KeyframeInfo {
   int index = -1;
   int sequence = 0;
   std::int64_t stamp_ns = 0;
-  Rigid3 T_W_B;  ///< as received from the VIO
-  Rigid3 T_M_B;  ///< corrected by the pose graph
+  Rigid3 T_W_B;           ///< as received from the VIO
+  Rigid3 T_M_B;           ///< corrected by the pose graph
+  bool is_place = false;  ///< can be recognised
+  int views = 0;          ///< virtual views kept
 };
 
 /// Runs a graph solve somewhere (the node: on its solver thread) and returns how to wait for its
@@ -93,6 +104,12 @@ class LoopCloser {
   /// stamp that goes back, and with a jump of the pose that no drone can fly.
   KeyframeReport AddKeyframe(const KeyframeInput& input);
 
+  /// Adds a view to the keyframe of its stamp (to within 500 ns, as VIOs round stamps), be it in
+  /// the map already or still to come; the newest of several keyframes of one stamp. Throws
+  /// InputError, and counts it, for a view that can't be used: neither an image nor features for
+  /// the vocabulary, sizes that do not agree, values that are not finite.
+  ViewOutcome AddVirtualView(const VirtualView& view);
+
   /// The VIO's own measurement after fast relocalisation: pose of keyframe `current` relative to
   /// the old keyframe of its Relocalisation, refined over the VIO's window. Ignored, with false,
   /// when that keyframe had none or the pose is far from the loop's.
@@ -110,6 +127,10 @@ class LoopCloser {
   int place_count() const;
   /// Heap memory [bytes] of keyframes and index.
   std::size_t memory_bytes() const;
+
+  const ViewCounts& view_counts() const;
+  /// Heap memory [bytes] of the virtual views kept, with their part of the index; in memory_bytes.
+  std::size_t view_memory_bytes() const;
 
   /// T_M_W of the current sequence: corrects the newest VIO poses. Four degrees of freedom.
   Rigid3 drift() const;

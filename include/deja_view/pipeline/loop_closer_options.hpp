@@ -2,6 +2,7 @@
 
 #include "deja_view/features/feature_options.hpp"
 #include "deja_view/place/place_database.hpp"
+#include "deja_view/place/scored_places.hpp"
 #include "deja_view/pose_graph/loop_consistency.hpp"
 #include "deja_view/pose_graph/pose_graph.hpp"
 #include "deja_view/verification/loop_verifier.hpp"
@@ -60,15 +61,51 @@ struct SolveOptions {
   }
 };
 
+/// Which virtual views are kept, and of what use they are.
+struct VirtualViewOptions {
+  /// Views kept per keyframe: those most like their own source image by L1 similarity (Eq. 12;
+  /// 1 is the paper's choice, Sec. 3.2.3). 0: none, not even a loaded map's.
+  int keep = 8;
+  int max_features = 350;   ///< strongest, spread over the image
+  int max_waiting = 400;    ///< views whose keyframe has not come yet; the oldest is given up first
+  bool use_offline = true;  ///< take a message's own features where it has them
+  double min_certainty = 0.5;  ///< of a pixel (1: certain): a keypoint below is not used
+  int min_features = 30;       ///< certain keypoints that a view must have
+  /// Of the points that view and source image should share, the part found in both.
+  double min_agreement = 0.15;
+  int min_judged = 20;                ///< with fewer points to share, agreement is not judged
+  double max_depth_sigma = 0.06;      ///< over the depth: a keypoint above is no 3-D point
+  double unknown_depth_sigma = 0.02;  ///< over the depth, where a view has depth without sigma
+
+  template <typename Visitor>
+  void Visit(Visitor& v) {
+    v("keep", keep);
+    v("max_features", max_features);
+    v("max_waiting", max_waiting);
+    v("use_offline", use_offline);
+    v("min_certainty", min_certainty);
+    v("min_features", min_features);
+    v("min_agreement", min_agreement);
+    v("min_judged", min_judged);
+    v("max_depth_sigma", max_depth_sigma);
+    v("unknown_depth_sigma", unknown_depth_sigma);
+  }
+  std::vector<std::string> Validate() const;
+};
+
 /// Everything that LoopCloser can be told; `Validate` lists all violations at once.
 struct LoopCloserOptions {
   FeatureOptions features;
   PlaceDatabaseOptions place;
+  ScoringOptions scoring;
   CandidateOptions candidates;
   LoopVerifierOptions verification;
   LoopConsistencyOptions consistency;
   PoseGraphOptions pose_graph;
   SolveOptions solve;
+  VirtualViewOptions views;
+  /// False: keyframes only look for the places of a loaded map, and become none themselves.
+  bool add_places = true;
   /// A keyframe becomes a place to recognise only when the map has none within this distance and
   /// angle; 0: every keyframe does.
   double map_spacing_m = 0.5;
@@ -88,11 +125,14 @@ struct LoopCloserOptions {
   void Visit(Visitor& v) {
     v("features", features);
     v("place", place);
+    v("scoring", scoring);
     v("candidates", candidates);
     v("verification", verification);
     v("consistency", consistency);
     v("pose_graph", pose_graph);
     v("solve", solve);
+    v("views", views);
+    v("add_places", add_places);
     v("map_spacing_m", map_spacing_m);
     v("map_spacing_deg", map_spacing_deg);
     v("max_speed_mps", max_speed_mps);

@@ -68,6 +68,9 @@ class PlaceDatabase {
   /// Removes all entries of `id`; false when there is none.
   bool Remove(int id);
 
+  /// Removes one entry; false when there is none.
+  bool Remove(int id, int tag);
+
   /// The best entries, best first; of equal scores the lowest (id, tag) first.
   std::vector<PlaceMatch> Query(const BowVector& bow, const PlaceQuery& query) const;
 

@@ -50,6 +50,13 @@ class BagReader {
   std::int64_t Read(const std::vector<std::string>& names,
                     const std::function<void(const rosbag::MessageInstance&)>& visit) const;
 
+  /// The same with the messages of `beside_names` from another bag between them, by the times of
+  /// recording.
+  std::int64_t Read(const std::vector<std::string>& names,
+                    const BagReader* beside,
+                    const std::vector<std::string>& beside_names,
+                    const std::function<void(const rosbag::MessageInstance&)>& visit) const;
+
   /// As Read, for the messages of all topics.
   std::int64_t ReadAll(const std::function<void(const rosbag::MessageInstance&)>& visit) const;
 

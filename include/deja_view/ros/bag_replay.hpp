@@ -4,6 +4,7 @@
 #include "deja_view/pipeline/loop_closer_types.hpp"
 #include "deja_view/ros/conversions.hpp"
 #include "deja_view/ros/keyframe_assembler.hpp"
+#include "deja_view/views/virtual_view.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -21,6 +22,7 @@ struct VioTopics {
   std::string odometry = "/vins_estimator/odometry";
   std::string imu_propagate = "/vins_estimator/imu_propagate";
   std::string relo_relative_pose = "/vins_estimator/relo_relative_pose";
+  std::string virtual_frame = "/virtual_cam0/frame";  ///< not VINS-Mono's: rendered views
 };
 
 /// What a replay hands over. Empty callbacks are passed over, and their topics are not read.
@@ -32,6 +34,9 @@ struct ReplayCallbacks {
   std::function<void(const Rigid3& T_B_C)> on_extrinsic;
   std::function<void(const StampedPose& T_W_B)> on_odometry;
   std::function<void(const RelativePoseUpdate&)> on_relative_pose;
+  /// In the order of the bag, which may be before or after its keyframe. As on_keyframe, it may
+  /// throw InputError.
+  std::function<void(const VirtualView&)> on_virtual_view;
   /// A message that can't be used, with the reason, or a keyframe that was dropped.
   std::function<void(const std::string& what)> on_problem;
   /// After each message: how many of all messages are done.
@@ -49,6 +54,13 @@ struct ReplayReport {
 /// Throws InputError for a bag that can't be read, or that lacks the image, keyframe_pose or
 /// keyframe_point topic.
 ReplayReport ReplayBag(const std::filesystem::path& bag,
+                       const VioTopics& topics,
+                       const KeyframeAssemblerOptions& options,
+                       const ReplayCallbacks& callbacks);
+
+/// The same with the virtual views of another bag in place of the first one's.
+ReplayReport ReplayBag(const std::filesystem::path& bag,
+                       const std::filesystem::path& virtual_bag,
                        const VioTopics& topics,
                        const KeyframeAssemblerOptions& options,
                        const ReplayCallbacks& callbacks);

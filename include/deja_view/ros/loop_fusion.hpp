@@ -43,7 +43,13 @@ struct LoopFusionStatistics {
   std::map<std::string, std::int64_t> candidates;  ///< verified, by reason ("accepted")
   double mean_ms = 0;                              ///< per keyframe
   double max_ms = 0;
+  ViewCounts views;
+  std::int64_t view_overflows = 0;    ///< views dropped because the queue was full
+  std::size_t view_memory_bytes = 0;  ///< of the views kept, with their part of the index
 };
+
+/// Decodes a virtual view when its turn comes. May throw InputError.
+using ViewSource = std::function<VirtualView()>;
 
 /// Runs the loop closer on a thread of its own behind a bounded queue: adding messages takes
 /// microseconds. Keyframes are processed in order, so that the result is that of a replay of the
@@ -68,6 +74,7 @@ class LoopFusion {
   void AddPoints(std::int64_t stamp_ns, std::vector<TrackedPoint> points);
   void AddExtrinsic(std::int64_t stamp_ns, const Rigid3& T_B_C);
   void AddRelativePose(const RelativePoseUpdate& update);
+  void AddVirtualView(ViewSource view);
 
   /// T_M_W after the newest keyframe; never waits for one.
   Rigid3 drift() const;
@@ -87,13 +94,16 @@ class LoopFusion {
   static std::future<void> RunBeside(std::function<void()> solve);
 
  private:
-  using Task = std::variant<AssembledKeyframe, RelativePoseUpdate>;
+  using Task = std::variant<AssembledKeyframe, RelativePoseUpdate, ViewSource>;
 
   void Enqueue(Task task);
+  /// Drops the oldest task of the kind that is too many; false when there is room.
+  bool MakeRoom(const Task& task);
   std::optional<Task> NextTask();
   void Work();
   void Process(const AssembledKeyframe& keyframe);
   void Process(const RelativePoseUpdate& update);
+  void Process(const ViewSource& view);
   void CountKeyframe(const KeyframeReport& report);
   void SetDrift(const Rigid3& T_M_W);
   void Tell(const std::string& what) const;

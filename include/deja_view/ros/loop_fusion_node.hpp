@@ -5,6 +5,7 @@
 #include "deja_view/ros/loop_publisher.hpp"
 #include "deja_view/ros/map_directory.hpp"
 #include "deja_view/ros/node_parameters.hpp"
+#include "deja_view/ros/virtual_frame_conversion.hpp"
 
 #include <atomic>
 #include <cstdint>
@@ -56,6 +57,7 @@ class LoopFusionNode {
   void OnOdometry(const nav_msgs::OdometryConstPtr& message);
   void OnImuPropagate(const nav_msgs::OdometryConstPtr& message);
   void OnRelativePose(const nav_msgs::OdometryConstPtr& message);
+  void OnVirtualFrame(const VirtualFrameConstPtr& message);
 
   bool SaveMap(NamedMap::Request& request, NamedMap::Response& response);
   bool LoadMap(NamedMap::Request& request, NamedMap::Response& response);

@@ -94,6 +94,9 @@ struct View {
   cv::Mat range;  ///< CV_32FC1 [m] along the unit ray
 };
 
+/// `radiance` (CV_32FC1) as an image (CV_8UC1): grey = 255 (gain radiance)^(1 / gamma), clipped.
+cv::Mat ToneMap(const cv::Mat& radiance, double gain, double gamma = 1.7);
+
 /// Renders what `renderer`'s camera sees from T_W_C without blur, noise or vignetting, at exposure
 /// `gain` and display gamma `gamma`.
 View RenderView(const Renderer& renderer, const Rigid3& T_W_C, double gain, double gamma = 1.7);

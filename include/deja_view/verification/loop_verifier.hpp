@@ -31,6 +31,32 @@ struct KeyframeFeatures {
   std::size_t MemoryBytes() const;
 };
 
+/// A virtual camera in the rig of an old keyframe: `features.T_B_C` is T_B_V, its points are those
+/// keypoints whose depth is certain.
+struct RigCamera {
+  KeyframeFeatures features;
+  std::shared_ptr<const Camera> camera;
+};
+
+/// Gates for loops that the real image alone does not give. Inliers are counted once however many
+/// cameras of the rig show them.
+struct RigGates {
+  int min_inliers = 30;
+  double min_inlier_ratio = 0.25;  ///< of the current points that fall into any camera of the rig
+  int min_cells = 8;               ///< of an 8 x 6 grid on the current image
+  double max_gravity_deg = 2.0;
+  double max_sigma_m = 0.1;
+
+  template <typename Visitor>
+  void Visit(Visitor& v) {
+    v("min_inliers", min_inliers);
+    v("min_inlier_ratio", min_inlier_ratio);
+    v("min_cells", min_cells);
+    v("max_gravity_deg", max_gravity_deg);
+    v("max_sigma_m", max_sigma_m);
+  }
+};
+
 struct LoopVerifierOptions {
   RelativePoseOptions pose;
   // First matching, over the whole image.
@@ -50,6 +76,7 @@ struct LoopVerifierOptions {
   double max_yaw_deg = 90.0;
   double max_gravity_deg = 3.0;
   double max_sigma_m = 0.1;  ///< largest standard deviation of the position
+  RigGates rig;              ///< in place of these where virtual views are needed
 
   template <typename Visitor>
   void Visit(Visitor& v) {
@@ -68,6 +95,7 @@ struct LoopVerifierOptions {
     v("max_yaw_deg", max_yaw_deg);
     v("max_gravity_deg", max_gravity_deg);
     v("max_sigma_m", max_sigma_m);
+    v("rig", rig);
   }
   std::vector<std::string> Validate() const;
 };
@@ -76,6 +104,12 @@ struct LoopVerifierOptions {
 struct PointMatch {
   int point = -1;     ///< index into the current keyframe's points
   int keypoint = -1;  ///< index into the old keyframe's keypoints
+};
+
+/// How well a virtual view and its own source image show the same.
+struct Agreement {
+  int visible = 0;  ///< points of either that should be in the other's image
+  int found = 0;    ///< of those, the ones that are
 };
 
 /// Outcome for one candidate pair; the pose is meaningful from kPoorSpread on.
@@ -88,6 +122,7 @@ struct Verification {
   int guided = 0;  ///< observations of the guided matching
   int inliers = 0;
   int visible = 0;  ///< points of either keyframe that fall into the other's image
+  int found = 0;    ///< of those, the inliers; with a rig only current points, each once
   double rmse_px = 0;
   double gravity_disagreement = 0;        ///< [rad] before VIO's tilt enters as a prior
   int cells = 0;                          ///< the fewer of the two images' occupied cells
@@ -109,40 +144,50 @@ class LoopVerifier {
                       const KeyframeFeatures& old,
                       const Eigen::Quaterniond& q_W_Bold) const;
 
+  /// The same with `virtual_cameras` added to the old keyframe: one rigid rig, one generalised pose
+  /// problem in which every camera's matches count alike. For pairs that the real image does not
+  /// join; gated by `rig`. The two-point solver takes each observation with its own camera's
+  /// centre, so that a rig of any number of cameras needs no other solver.
+  Verification VerifyRig(const KeyframeFeatures& current,
+                         const Eigen::Quaterniond& q_W_Bcurrent,
+                         const KeyframeFeatures& old,
+                         const Eigen::Quaterniond& q_W_Bold,
+                         const std::vector<RigCamera>& virtual_cameras) const;
+
+  /// Looks for the points of a virtual camera in the real image of the same body, and the other way
+  /// round.
+  Agreement Agree(const RigCamera& virtual_camera, const KeyframeFeatures& source) const;
+
   const LoopVerifierOptions& options() const { return options_; }
 
  private:
+  struct Link;
   struct Match;
   struct Problem;
+  struct Pair;
 
-  std::vector<Match> MatchAll(const KeyframeFeatures& points, const KeyframeFeatures& image) const;
-  std::vector<Match> MatchGuided(const KeyframeFeatures& points,
-                                 const KeyframeFeatures& image,
+  std::vector<Match> MatchAll(const Link& link) const;
+  std::vector<Match> MatchGuided(const Link& link,
                                  const Rigid3& T_image_points,
                                  double radius_px,
-                                 int* visible) const;
-  void MatchBothWays(const KeyframeFeatures& current,
-                     const KeyframeFeatures& old,
-                     const Rigid3& T_old_current,
-                     double radius_px,
-                     Problem* problem,
-                     int* visible) const;
-  void AddObservations(const std::vector<Match>& matches,
-                       const KeyframeFeatures& points,
-                       const KeyframeFeatures& image,
-                       bool is_reverse,
+                                 std::vector<bool>* visible) const;
+  Problem MatchAround(const Pair& pair, const Rigid3& T_old_current, double radius_px) const;
+  void AddObservations(const Link& link,
+                       std::size_t index,
+                       const std::vector<Match>& matches,
                        Problem* problem) const;
-  /// Pose from matches over the whole image; sets `v->reason` where it returns nothing.
-  std::optional<Rigid3> FirstPose(const KeyframeFeatures& current,
-                                  const KeyframeFeatures& old,
-                                  const GravityPair& gravity,
-                                  Verification* v) const;
-  void Summarise(const KeyframeFeatures& current,
-                 const KeyframeFeatures& old,
+  /// Pose from matches over whole images; sets `v->reason` where it returns nothing.
+  std::optional<Rigid3> FirstPose(const Pair& pair, Verification* v) const;
+  Verification Solve(const Pair& pair) const;
+  void Summarise(const Pair& pair,
                  const Problem& problem,
                  const RefinedPose& pose,
                  Verification* v) const;
-  RejectReason Gate(const Verification& v) const;
+  void CountOnce(const Pair& pair,
+                 const Problem& problem,
+                 const RefinedPose& pose,
+                 Verification* v) const;
+  RejectReason Gate(const Verification& v, const RigGates& gates) const;
 
   LoopVerifierOptions options_;
   std::shared_ptr<const Camera> camera_;

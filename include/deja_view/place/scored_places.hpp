@@ -1,0 +1,87 @@
+#pragma once
+
+#include "deja_view/place/word_scoring.hpp"
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace deja_view {
+
+/// The paper's scoring of past places; off, the place database's own score is used.
+struct ScoringOptions {
+  bool is_on = false;
+  WordWeighting weights = WordWeighting::kTfidf;
+  double alpha = 1.0;  ///< Eq. 15: what the original image's weight gains with its lead
+  double beta = 0.5;   ///< the same for the virtual image
+  LoopThreshold threshold = LoopThreshold::kCalibrated;
+  double r = 0.0;           ///< an island must reach; 0: all do. See LoopThreshold for the ranges
+  int neighbours = 4;       ///< keyframes retrieved, whose scores an island sums (VINS-Mono: 4)
+  int synonym_radius = 40;  ///< [bits] between the centroids of synonyms
+  double synonym_sigma = 20.0;  ///< [bits] of their kernel
+
+  /// Violations, one line each; empty when all is well.
+  std::vector<std::string> Validate() const;
+
+  template <typename Visitor>
+  void Visit(Visitor& v) {
+    v("is_on", is_on);
+    v("weights", weights);
+    v("alpha", alpha);
+    v("beta", beta);
+    v("threshold", threshold);
+    v("r", r);
+    v("neighbours", neighbours);
+    v("synonym_radius", synonym_radius);
+    v("synonym_sigma", synonym_sigma);
+  }
+};
+
+/// A past keyframe and its scores against a query.
+struct ScoredPlace {
+  int id = -1;
+  double original = 0;      ///< cosine with the original image (Eq. 13)
+  double virtual_view = 0;  ///< best cosine with a virtual image; the original's without any
+  double score = 0;         ///< combined (Eq. 15)
+};
+
+/// Weighted words of past keyframes, scored as the paper does. Weights are those of the
+/// vocabulary's idf, computed once when a place is added. Deterministic.
+class ScoredPlaces {
+ public:
+  /// Makes the vocabulary's SynonymKernel when the weights need it.
+  ScoredPlaces(const ScoringOptions& options, std::shared_ptr<const Vocabulary> vocabulary);
+
+  /// `tag` 0: the original image, else a virtual one. (id, tag) must be new.
+  void Add(int id, const BowVector& bow, int tag);
+  void Remove(int id, int tag);
+  void Clear();
+
+  WeightedBow Weigh(const BowVector& bow) const;
+
+  /// The best `count` places with an id of at most `max_id` and a score above 0, best first; ties
+  /// go to the lower id.
+  std::vector<ScoredPlace> Query(const WeightedBow& query, int max_id, std::size_t count) const;
+
+  std::size_t memory_bytes() const;
+
+ private:
+  struct Entry {
+    int id = -1;
+    int tag = 0;
+    WeightedBow words;  ///< of length 1
+  };
+  struct Posting {
+    std::size_t entry = 0;
+    double weight = 0;
+  };
+
+  ScoringOptions options_;
+  std::shared_ptr<const Vocabulary> vocabulary_;
+  std::shared_ptr<const SynonymKernel> kernel_;
+  std::vector<Entry> entries_;  ///< id -1: removed
+  std::vector<std::vector<Posting>> postings_;
+};
+
+}  // namespace deja_view

@@ -1,0 +1,137 @@
+#pragma once
+
+#include "deja_view/base/enum_names.hpp"
+#include "deja_view/vocabulary/bow_vector.hpp"
+#include "deja_view/vocabulary/vocabulary.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+/// The paper's way from words to one score per past place (Sec. 3.3, Eq. 8-15), each step a plain
+/// function. Where the printed text can't be taken literally, the docstring says what is done.
+namespace deja_view {
+
+/// What weight a word gets beyond TF-IDF (Eq. 8, 10). With p_j = S_j / sum S of the image's words,
+/// Eq. 10 makes S_bar_j = 1 / (1 - p_j); I(w_j) is one-hot, so that ||I|| ||S_bar|| cos theta_j is
+/// S_bar_j itself.
+enum class WordWeighting {
+  kTfidf,    ///< S_j (Eq. 9 alone)
+  kPrinted,  ///< Eq. 8 as printed: S_j / (1 + S_bar_j) = S_j (1 - p_j) / (2 - p_j), which *falls*
+             ///< with importance: from S_j / 2 at p = 0 to 0 at p = 1
+  kText,     ///< as corrected to what the prose asks: S_j / (2 - p_j), from S_j / 2 to S_j
+  kSynonym,  ///< as the prose means it: S_j sum_i k(i, j) S_bar_i / sum_i k(i, j) over the image's
+             ///< words i, k a kernel on the distance of the word centroids (SynonymKernel)
+};
+
+template <>
+struct EnumNames<WordWeighting> {
+  static constexpr std::array<std::pair<WordWeighting, const char*>, 4> kNames = {
+      {{WordWeighting::kTfidf, "tfidf"},
+       {WordWeighting::kPrinted, "printed"},
+       {WordWeighting::kText, "text"},
+       {WordWeighting::kSynonym, "synonym"}}};
+};
+
+/// A weighted bag of words, sorted by word, each once.
+struct WeightedWord {
+  WordId word = 0;
+  double weight = 0;
+};
+using WeightedBow = std::vector<WeightedWord>;
+
+/// Eq. 9: S_j = (n_j / n) idf_j, idf_j = log(Sum / P_j) from `idf`; n counts all descriptors of the
+/// image. In [0, max idf].
+WeightedBow TfIdf(const BowVector& bow, const std::function<double(WordId)>& idf);
+
+/// Which words mean nearly the same: all pairs of centroids within `radius` bits, with
+/// k = exp(-(d / sigma)^2 / 2). Sparse and immutable; made once per vocabulary.
+class SynonymKernel {
+ public:
+  struct Synonym {
+    WordId word = 0;
+    double weight = 0;  ///< in (0, 1]; 1 for the word itself
+  };
+
+  /// Compares all pairs of words on `threads` threads (0: all cores); about a second for 30 000
+  /// words. The result does not depend on the number of threads.
+  SynonymKernel(const Vocabulary& vocabulary, int radius, double sigma, int threads = 0);
+
+  /// The word itself and its synonyms, sorted by word.
+  const Synonym* begin(WordId word) const { return entries_.data() + begin_.at(word); }
+  const Synonym* end(WordId word) const { return entries_.data() + begin_.at(word + 1); }
+  std::size_t size() const { return entries_.size(); }
+  std::size_t memory_bytes() const;
+
+ private:
+  std::vector<std::size_t> begin_;
+  std::vector<Synonym> entries_;
+};
+
+/// Eq. 8 and 10 over an image's TF-IDF weights. `kernel` is needed for kSynonym only. p_j is cut at
+/// 0.999, since S_bar is infinite for an image of one word.
+WeightedBow WeighWords(const WeightedBow& tf_idf,
+                       WordWeighting weighting,
+                       const SynonymKernel* kernel = nullptr);
+
+/// Eq. 11 and 12: Euclidean and Manhattan distance; >= 0.
+double EuclideanDistance(const WeightedBow& a, const WeightedBow& b);
+double ManhattanDistance(const WeightedBow& a, const WeightedBow& b);
+
+/// Similarity by norms, for the choice among virtual views (Sec. 3.2.3): 1 - d(a/|a|, b/|b|) / 2
+/// with Eq. 12 and the 1-norm (L1), or Eq. 11 and the 2-norm (L2). L1 in [0, 1], L2 in
+/// [1 - sqrt(2) / 2, 1]; 0 when one vector is 0.
+double L1Similarity(const WeightedBow& a, const WeightedBow& b);
+double L2Similarity(const WeightedBow& a, const WeightedBow& b);
+
+/// Eq. 13: x.y / (|x| |y|); the printed dot between its two fractions is an equals sign. In [0, 1];
+/// 0 when one vector is 0.
+double CosineSimilarity(const WeightedBow& a, const WeightedBow& b);
+
+/// Steps of Eq. 15.
+struct DynamicWeights {
+  double alpha = 1.0;
+  double beta = 0.5;
+};
+
+/// A past keyframe's score from its original and its virtual image.
+struct CombinedScore {
+  double weight_original = 0;
+  double weight_virtual = 0;
+  double score = 0;
+};
+
+/// Eq. 14 and 15: both weights start at 1/2; if S_o > S_v, w_o += alpha (S_o - S_v), else w_v +=
+/// beta (S_v - S_o) (the printed second line updates w_v from w_o, which are equal then). Score =
+/// w_o S_o + w_v S_v. The weights do not sum to 1: with S in [0, 1] and the default steps the score
+/// is in [0, 1.5], reaches 1.5 at S_o = 1, S_v = 0, and is 1 for perfect agreement of both.
+CombinedScore CombineScores(double original,
+                            double virtual_view,
+                            const DynamicWeights& weights = {});
+
+/// What is compared with the threshold r.
+enum class LoopThreshold {
+  kSum,         ///< the sum over an island's retrieved keyframes, as the paper's r = 2.15 (4 of
+                ///< them) and 1.55 (3) must be read; in [0, 1.5 n]
+  kPair,        ///< the island's best keyframe; in [0, 1.5]
+  kCalibrated,  ///< that over what the current keyframe scores against its own predecessors; >= 0,
+                ///< 1 is as alike as the next image
+};
+
+template <>
+struct EnumNames<LoopThreshold> {
+  static constexpr std::array<std::pair<LoopThreshold, const char*>, 3> kNames = {
+      {{LoopThreshold::kSum, "sum"},
+       {LoopThreshold::kPair, "pair"},
+       {LoopThreshold::kCalibrated, "calibrated"}}};
+};
+
+/// The number to compare with r; `own` is the score against the predecessors, of which at least
+/// 0.05 is taken (an image that shows nothing new is like no other).
+double ThresholdScore(const std::vector<double>& island, LoopThreshold threshold, double own);
+
+}  // namespace deja_view

@@ -1,0 +1,134 @@
+#include "deja_view/report/html_report.hpp"
+
+#include "deja_view/base/check.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <regex>
+
+#include "example_run.hpp"
+#include <gtest/gtest.h>
+
+namespace deja_view::report {
+namespace {
+
+namespace fs = std::filesystem;
+
+JudgedRun Judged(const std::string& name) {
+  RunData run = ExampleRun();
+  run.name = name;
+  return Judge(std::move(run), ExampleGroundTruth(), Rigid3::Identity());
+}
+
+std::size_t CountOf(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) {
+    ++count;
+  }
+  return count;
+}
+
+class TemporaryFile {
+ public:
+  TemporaryFile(const std::string& name, const std::string& content)
+      : path_(fs::path(testing::TempDir()) / name) {
+    std::ofstream(path_, std::ios::binary) << content;
+  }
+  ~TemporaryFile() { fs::remove(path_); }
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+HtmlReport FullReport() {
+  HtmlReport report;
+  report.runs = {Judged("plain"), Judged("with <views>")};
+  report.sweeps = {{"tfidf", {0.9, 0.5}, {1.0, 0.8}, {0.2, 0.6}}};
+  report.evaluation = nlohmann::ordered_json::parse(R"({"variants": [
+      {"name": "spacing_2_no_virtual", "command": "deja_view replay --bag a", "recall": 0.5,
+       "precision": 1.0, "cpu_s": 3.25, "map_recall": null},
+      {"name": "spacing_2_virtual", "command": "deja_view replay --bag 'b c'", "recall": 0.75}]})");
+  report.version = "1.2.3";
+  report.command = "deja_view report --html x";
+  return report;
+}
+
+TEST(HtmlReport, StandsAlone) {
+  const std::string html = ToHtml(FullReport());
+  EXPECT_EQ(html.rfind("<!DOCTYPE html>", 0), 0U);
+  EXPECT_EQ(CountOf(html, "<style>"), 1U) << "figures share the page's";
+  EXPECT_EQ(CountOf(html, "<script"), 0U);
+  // No address is ever fetched: only namespaces and data.
+  const std::regex link("(src|href)=\"(?!data:)");
+  EXPECT_FALSE(std::regex_search(html, link));
+  EXPECT_NE(html.find("prefers-color-scheme:dark"), std::string::npos);
+  EXPECT_NE(html.find("name=\"viewport\""), std::string::npos);
+}
+
+TEST(HtmlReport, ShowsEveryPart) {
+  const std::string html = ToHtml(FullReport());
+  // Two trajectories, errors, loop counts, two loop figures, sweep, spacing.
+  EXPECT_EQ(CountOf(html, "<svg class=\"figure\""), 8U);
+  EXPECT_EQ(CountOf(html, "<svg"), CountOf(html, "</svg>"));
+  EXPECT_NE(html.find("with &lt;views&gt;"), std::string::npos);
+  EXPECT_EQ(html.find("with <views>"), std::string::npos);
+  EXPECT_NE(html.find("<td>3.25</td>"), std::string::npos);
+  EXPECT_NE(html.find("deja_view replay --bag a"), std::string::npos);
+  EXPECT_NE(html.find("1.2.3"), std::string::npos);
+}
+
+TEST(HtmlReport, RunsAloneAreEnough) {
+  HtmlReport report;
+  report.runs = {Judged("only")};
+  const std::string html = ToHtml(report);
+  EXPECT_EQ(html.find("<h2>Variants"), std::string::npos);
+  EXPECT_EQ(CountOf(html, "<svg class=\"figure\""), 4U);
+  report.runs.clear();
+  EXPECT_THROW(ToHtml(report), CheckError);
+}
+
+TEST(HtmlReport, HoldsItsPictures) {
+  HtmlReport report;
+  report.runs = {Judged("only")};
+  const TemporaryFile picture("deja_view_report.png", "\x89PNG\x01\x02");
+  report.pictures = {{"a & b", picture.path()}};
+  const std::string html = ToHtml(report);
+  // 89 50 4e 47 01 02 in base 64.
+  EXPECT_NE(html.find("data:image/png;base64,iVBORwEC\""), std::string::npos);
+  EXPECT_NE(html.find("a &amp; b"), std::string::npos);
+  const TemporaryFile text("deja_view_report.txt", "no picture");
+  report.pictures = {{"text", text.path()}};
+  EXPECT_THROW(ToHtml(report), InputError);
+}
+
+TEST(HtmlReport, CountsLoopsOverTime) {
+  const std::string svg = LoopCountFigure({Judged("one")});
+  EXPECT_NE(svg.find("one, 4"), std::string::npos) << "refused candidates are no loops";
+}
+
+TEST(HtmlReport, ReadsSweeps) {
+  const TemporaryFile file(
+      "deja_view_sweep.csv",
+      "r,found,correct,precision,recall\n0.9,1,1,1.0,0.25\n0.5,2,1,0.5,0.25\n");
+  const Sweep sweep = ReadSweep(file.path(), "x");
+  EXPECT_EQ(sweep.r, (std::vector<double>{0.9, 0.5}));
+  EXPECT_EQ(sweep.precision, (std::vector<double>{1.0, 0.5}));
+  const TemporaryFile bad("deja_view_sweep_bad.csv", "r,found,correct,precision,recall\n0.9,1\n");
+  try {
+    ReadSweep(bad.path(), "x");
+    ADD_FAILURE();
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find(bad.path().string() + ":2"), std::string::npos);
+  }
+  EXPECT_THROW(ReadSweep("/nowhere/sweep.csv", "x"), InputError);
+}
+
+TEST(HtmlReport, SpacingFigureNeedsSpacings) {
+  EXPECT_TRUE(SpacingFigure(nlohmann::ordered_json::parse(R"([{"name": "virtual"}])")).empty());
+  const auto json = FullReport().evaluation;
+  EXPECT_NE(SpacingFigure(json["variants"]).find("with virtual views"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace deja_view::report
