@@ -27,6 +27,9 @@ std::vector<std::string> LoopConsistencyOptions::Validate() const {
   require(min_support >= 0, "min_support must not be negative");
   require(min_support_join >= 0, "min_support_join must not be negative");
   require(max_support_ratio >= 0, "max_support_ratio must not be negative");
+  require(min_span_m >= 0, "min_span_m must not be negative");
+  require(max_rival_ratio >= 0, "max_rival_ratio must not be negative");
+  require(span_window >= 1, "span_window must be at least 1");
   require(window >= 1, "window must be at least 1");
   require(max_path_m > 0, "max_path_m must be positive");
   require(max_sigmas > 0, "max_sigmas must be positive");
@@ -49,15 +52,18 @@ LoopConsistency::Comparison LoopConsistency::Compare(const PoseGraphLoop& a,
   if (a_from.sequence != b_from.sequence || a_to.sequence != b_to.sequence) {
     return result;
   }
-  const double from_path = graph.PathLength(a.from, b.from);
+  // A loaded map's poses are solved: neither drift nor the way flown lies between them.
+  const bool is_map = a_from.is_fixed && b_from.is_fixed;
+  const Rigid3 T_from =
+      is_map ? a_from.T_M_B().Inverse() * b_from.T_M_B() : a_from.T_W_B.Inverse() * b_from.T_W_B;
+  const double from_path = is_map ? T_from.t.norm() : graph.PathLength(a.from, b.from);
   const double to_path = graph.PathLength(a.to, b.to);
   if (from_path > options_.max_path_m || to_path > options_.max_path_m) {
     return result;
   }
   result.is_comparable = true;
 
-  const Rigid3 around =
-      a_from.T_W_B.Inverse() * b_from.T_W_B * b.T_from_to * b_to.T_W_B.Inverse() * a_to.T_W_B;
+  const Rigid3 around = T_from * b.T_from_to * b_to.T_W_B.Inverse() * a_to.T_W_B;
   const Eigen::Vector3d dt = around.t - a.T_from_to.t;
   const double dpsi = WrapAngle(DeltaPsi(a_from.T_W_B.q, around.q, a_to.T_W_B.q) -
                                 DeltaPsi(a_from.T_W_B.q, a.T_from_to.q, a_to.T_W_B.q));
@@ -128,22 +134,72 @@ bool LoopConsistency::IsBelieved(const Entry& entry,
   if (against > options_.max_support_ratio * support) {
     return false;
   }
-  const int from_sequence = Node(graph, entry.loop.from).sequence;
-  const int to_sequence = Node(graph, entry.loop.to).sequence;
-  if (!graph.AreJoined(from_sequence, to_sequence)) {
-    return support >= options_.min_support_join;
-  }
   if (!IsPlausible(entry.loop, graph)) {
     *is_implausible = true;
-    return support >= options_.override_support;
+    return support >= options_.override_support &&
+           Gather(entry, graph).span_m >= options_.min_span_m;
   }
   return support >= options_.min_support;
+}
+
+LoopConsistency::Evidence LoopConsistency::Gather(const Entry& entry,
+                                                  const PoseGraph& graph) const {
+  Evidence evidence;
+  int first = entry.loop.to;
+  int last = entry.loop.to;
+  const std::size_t begin =
+      entries_.size() -
+      std::min<std::size_t>(entries_.size(), static_cast<std::size_t>(options_.span_window));
+  for (std::size_t i = begin; i < entries_.size(); ++i) {
+    const Entry& other = entries_[i];
+    if (&other == &entry) {
+      continue;
+    }
+    const Comparison c = Compare(entry.loop, other.loop, graph);
+    if (!c.is_comparable) {
+      continue;
+    }
+    if (!c.agrees) {
+      ++evidence.rivals;
+    } else if (other.loop.to != entry.loop.to) {
+      evidence.agreeing.push_back(i);
+      first = std::min(first, other.loop.to);
+      last = std::max(last, other.loop.to);
+    }
+  }
+  evidence.span_m = graph.PathLength(first, last);
+  return evidence;
+}
+
+// The newest loop joins two worlds together with those that agree with it, or waits.
+std::vector<LoopConsistency::Entry> LoopConsistency::Join(const PoseGraph& graph) {
+  const Evidence evidence = Gather(entries_.back(), graph);
+  const auto support = static_cast<int>(evidence.agreeing.size());
+  if (support < options_.min_support_join || evidence.span_m < options_.min_span_m ||
+      evidence.rivals > options_.max_rival_ratio * support) {
+    return {};
+  }
+  std::vector<Entry> believed;
+  const auto believe = [&](Entry* entry) {
+    if (entry->state != State::kAccepted) {
+      entry->state = State::kAccepted;
+      believed.push_back(*entry);
+    }
+  };
+  for (const std::size_t i : evidence.agreeing) {
+    believe(&entries_[i]);
+  }
+  believe(&entries_.back());
+  return believed;
 }
 
 std::vector<LoopConsistency::Entry> LoopConsistency::Add(const PoseGraphLoop& loop,
                                                          int tag,
                                                          const PoseGraph& graph) {
   entries_.push_back({loop, tag, State::kPending});
+  if (!graph.AreJoined(Node(graph, loop.from).sequence, Node(graph, loop.to).sequence)) {
+    return Join(graph);
+  }
   std::vector<Entry> believed;
   const std::size_t begin =
       entries_.size() -

@@ -12,9 +12,14 @@ struct LoopConsistencyOptions {
   int min_support_join =
       4;  ///< the same for the loops that join two worlds, where nothing else can object
   double max_support_ratio = 0.34;  ///< contradicting over agreeing loops
-  int window = 60;                  ///< newest verified loops that a new one is compared with
-  double max_path_m = 15.0;         ///< [m] of odometry on either side between two compared loops
-  double max_sigmas = 3.5;          ///< of the difference, per axis and yaw
+  // Loops that join two worlds, or overrule the odometry, have nothing but each other: repeated
+  // structure gives many that agree, but from one stretch of the flight, or with rivals.
+  double min_span_m = 4.0;       ///< [m] of the flight over which they must spread
+  double max_rival_ratio = 0.5;  ///< joining: contradicting (believed or not) over agreeing loops
+  int span_window = 300;         ///< newest verified loops that are looked at for that
+  int window = 60;               ///< newest verified loops that a new one is compared with
+  double max_path_m = 15.0;      ///< [m] of odometry on either side between two compared loops
+  double max_sigmas = 3.5;       ///< of the difference, per axis and yaw
   // Drift that a single loop may claim against the corrected trajectory.
   double plausible_m = 0.6;              ///< [m] always
   double plausible_m_per_m = 0.03;       ///< [m] more per metre flown since the last loop
@@ -27,6 +32,9 @@ struct LoopConsistencyOptions {
     v("min_support", min_support);
     v("min_support_join", min_support_join);
     v("max_support_ratio", max_support_ratio);
+    v("min_span_m", min_span_m);
+    v("max_rival_ratio", max_rival_ratio);
+    v("span_window", span_window);
     v("window", window);
     v("max_path_m", max_path_m);
     v("max_sigmas", max_sigmas);
@@ -42,8 +50,9 @@ struct LoopConsistencyOptions {
 /// Believes a verified loop only when other loops agree with it: two loops and the odometry between
 /// their ends form a cycle that must close within its noise (pairwise consistency; Mangelson et
 /// al., PCM, ICRA 2018). A loop waits until enough others agree; it then enters the graph together
-/// with those that waited for it. Consistent loops that claim more drift than the VIO can have
-/// gathered (a repeated structure seen from frame to frame) stay out, unless very many agree.
+/// with those that waited for it. Keyframes of a loaded map are as far apart as the map says.
+/// Consistent loops that claim more drift than the VIO can have gathered (a repeated structure seen
+/// from frame to frame) stay out, unless very many agree.
 class LoopConsistency {
  public:
   enum class State { kPending, kImplausible, kAccepted };
@@ -71,6 +80,14 @@ class LoopConsistency {
   Comparison Compare(const PoseGraphLoop& a, const PoseGraphLoop& b, const PoseGraph& graph) const;
 
  private:
+  /// What all newest loops, believed or not, say about one.
+  struct Evidence {
+    std::vector<std::size_t> agreeing;  ///< entries of other current keyframes
+    int rivals = 0;                     ///< entries that contradict it
+    double span_m = 0;                  ///< [m] of the flight from the first to the last agreeing
+  };
+  Evidence Gather(const Entry& entry, const PoseGraph& graph) const;
+  std::vector<Entry> Join(const PoseGraph& graph);
   bool IsBelieved(const Entry& entry, const PoseGraph& graph, bool* is_implausible) const;
   bool IsPlausible(const PoseGraphLoop& loop, const PoseGraph& graph) const;
   double PathSinceLoop(int node, const PoseGraph& graph) const;

@@ -292,6 +292,7 @@ TEST(VirtualViews, ALoopThatNeedsThemIsMarked) {
   LoopCloserOptions options = FlightOptions();
   options.consistency.min_support = 0;
   options.consistency.min_support_join = 0;
+  options.consistency.min_span_m = 0;
   options.candidates.min_age_s = 0.1;
   // Real images alone can't do it.
   options.verification.min_inliers = 100000;

@@ -112,6 +112,7 @@ State StateAfterLoops(const Rigid3& jump, int count) {
   PoseGraph graph = MakeGraph(jump, 30);
   LoopConsistencyOptions options;
   options.override_support = 5;
+  options.min_span_m = 1.0;
   LoopConsistency consistency(options);
   for (int i = 0; i < count; ++i) {
     consistency.Add(TrueLoop(i, i + kPerRound), i, graph);
@@ -139,16 +140,61 @@ TEST(LoopConsistency, ImplausibleYawNeedsVeryManyLoops) {
   EXPECT_EQ(StateAfterLoops(turn(12), 6), State::kAccepted);
 }
 
-TEST(LoopConsistency, JoiningTwoWorldsNeedsMoreSupport) {
+/// Two worlds of one round each.
+PoseGraph MakeTwoWorlds(bool is_map = false) {
   PoseGraph graph{PoseGraphOptions{}};
   const Rigid3 other_world{FromYaw(2), {50, 20, 5}};
   for (int i = 0; i < 2 * kPerRound; ++i) {
-    graph.AddNode(i / kPerRound, i < kPerRound ? Truth(i) : other_world * Truth(i));
+    const bool is_first = i < kPerRound;
+    graph.AddNode(i / kPerRound, is_first ? Truth(i) : other_world * Truth(i), is_map && is_first);
   }
-  LoopConsistency consistency({});
+  return graph;
+}
+
+TEST(LoopConsistency, JoiningTwoWorldsNeedsMoreSupport) {
+  PoseGraph graph = MakeTwoWorlds();
+  LoopConsistencyOptions options;
+  options.min_span_m = 2.0;
+  LoopConsistency consistency(options);
   EXPECT_TRUE(AddTrueLoops({3, 5, 7, 9}, &consistency, &graph).empty());
   EXPECT_EQ(AddTrueLoops({11}, &consistency, &graph), std::vector<int>({3, 5, 7, 9, 11}));
   EXPECT_TRUE(graph.AreJoined(0, 1));
+}
+
+TEST(LoopConsistency, LoopsThatJoinMustSpread) {
+  PoseGraph graph = MakeTwoWorlds();
+  LoopConsistencyOptions options;
+  options.min_span_m = 4.0;  // 13 poses
+  LoopConsistency consistency(options);
+  EXPECT_TRUE(AddTrueLoops({3, 4, 5, 6, 7, 8, 9, 10}, &consistency, &graph).empty());
+  EXPECT_EQ(AddTrueLoops({17}, &consistency, &graph).size(), 9U);
+}
+
+TEST(LoopConsistency, LoopsThatJoinMustHaveFewRivals) {
+  const Rigid3 shift{Eigen::Quaterniond::Identity(), {0, 3, 0}};
+  for (const int rivals : {3, 4}) {
+    PoseGraph graph = MakeTwoWorlds();
+    LoopConsistencyOptions options;
+    options.min_span_m = 2.0;
+    LoopConsistency consistency(options);
+    for (int i = 0; i < rivals; ++i) {
+      EXPECT_TRUE(consistency.Add(WrongLoop(i, i + kPerRound, shift), 100 + i, graph).empty());
+    }
+    // The seventh of these has six that agree.
+    EXPECT_EQ(AddTrueLoops({4, 5, 7, 9, 11, 13, 15}, &consistency, &graph).empty(), rivals > 3);
+  }
+}
+
+TEST(LoopConsistency, AMapsKeyframesAreAsFarApartAsItSays) {
+  LoopConsistencyOptions options;
+  options.max_path_m = 5;
+  const LoopConsistency consistency(options);
+  // 25 poses, 7.9 m of path, yet 3.7 m apart.
+  const auto compare = [&](const PoseGraph& graph) {
+    return consistency.Compare(TrueLoop(5, 45), TrueLoop(30, 50), graph);
+  };
+  EXPECT_FALSE(compare(MakeTwoWorlds(false)).is_comparable);
+  EXPECT_TRUE(compare(MakeTwoWorlds(true)).agrees);
 }
 
 TEST(LoopConsistency, LoopsOfOneKeyframeDoNotSupportEachOther) {
@@ -205,8 +251,11 @@ TEST(LoopConsistencyOptions, ListsAllViolations) {
   options.plausible_yaw_deg = 0;
   options.plausible_yaw_deg_per_m = -1;
   options.override_support = 0;
+  options.min_span_m = -1;
+  options.max_rival_ratio = -1;
+  options.span_window = 0;
   const auto errors = options.Validate();
-  ASSERT_EQ(errors.size(), 11U);
+  ASSERT_EQ(errors.size(), 14U);
   EXPECT_EQ(errors.front(), "min_support must not be negative");
   EXPECT_EQ(errors.back(), "override_support must be at least 1");
 }
