@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """A flight is played to the rendering node: its virtual frames belong to real images and look like them."""
 
+import os
 import sys
 import unittest
 
@@ -15,6 +16,21 @@ from flight import IMAGE, ODOMETRY, Flight, Recorder, wait_until
 
 FRAME = "/virtual_cam0/frame"
 VIEWS = 2
+
+
+class TruePoses:
+    """The odometry as it would be without drift, in the frame of the model."""
+
+    def __init__(self, directory):
+        truth = np.loadtxt(os.path.join(directory, "groundtruth.txt"))
+        self.stamps, self.poses = truth[:, 0], truth[:, 1:]
+
+    def edit(self, topic, message):
+        if topic == ODOMETRY:
+            i = np.argmin(np.abs(self.stamps - message.header.stamp.to_sec()))
+            p, o = message.pose.pose.position, message.pose.pose.orientation
+            p.x, p.y, p.z, o.x, o.y, o.z, o.w = self.poses[i]
+        return [(topic, message)]
 
 
 def decode(frame):
@@ -49,7 +65,7 @@ class NerfRenderTest(unittest.TestCase):
             30.0,
             "the node to subscribe",
         )
-        flight.play(2.0)
+        flight.play(2.0, TruePoses(rospy.get_param("~flight")).edit)
         wait_until(lambda: len(frames) >= 4 * VIEWS, 120.0, "virtual frames")
         rospy.sleep(1.0)
 

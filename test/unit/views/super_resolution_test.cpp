@@ -58,8 +58,7 @@ std::string MakeNetwork(int kernel) {
                            Bytes(4, "ConvTranspose") + IntsAttribute("strides", {kernel, kernel}) +
                            IntsAttribute("kernel_shape", {kernel, kernel});
   const std::string graph = Bytes(1, node) + Bytes(2, "squares") + Bytes(5, weights) +
-                            Bytes(11, TensorType("x")) +
-                            Bytes(12, TensorType("y"));
+                            Bytes(11, TensorType("x")) + Bytes(12, TensorType("y"));
   return Number(1, 7) + Bytes(7, graph) + Bytes(8, Bytes(1, "") + Number(2, 11));
 }
 
