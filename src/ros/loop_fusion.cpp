@@ -208,14 +208,20 @@ void LoopFusion::Process(const ViewSource& source) {
   const VirtualView view = source();
   const std::lock_guard<std::mutex> closer_lock(closer_mutex_);
   closer_.AddVirtualView(view);
+  CountViews();
 }
 
-void LoopFusion::CountKeyframe(const KeyframeReport& report) {
+void LoopFusion::CountViews() {
   const ViewCounts views = closer_.view_counts();
   const std::size_t bytes = views.kept > 0 ? closer_.view_memory_bytes() : 0;
   const std::lock_guard<std::mutex> lock(statistics_mutex_);
   statistics_.views = views;
   statistics_.view_memory_bytes = bytes;
+}
+
+void LoopFusion::CountKeyframe(const KeyframeReport& report) {
+  CountViews();
+  const std::lock_guard<std::mutex> lock(statistics_mutex_);
   ++statistics_.keyframes;
   for (const LoopReport& loop : report.loops) {
     ++statistics_.candidates[ToString(loop.reason)];

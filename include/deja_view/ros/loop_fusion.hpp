@@ -104,6 +104,7 @@ class LoopFusion {
   void Process(const AssembledKeyframe& keyframe);
   void Process(const RelativePoseUpdate& update);
   void Process(const ViewSource& view);
+  void CountViews();
   void CountKeyframe(const KeyframeReport& report);
   void SetDrift(const Rigid3& T_M_W);
   void Tell(const std::string& what) const;
