@@ -4,7 +4,6 @@
 
 #include <filesystem>
 #include <fstream>
-#include <regex>
 
 #include "example_run.hpp"
 #include <gtest/gtest.h>
@@ -60,8 +59,8 @@ TEST(HtmlReport, StandsAlone) {
   EXPECT_EQ(CountOf(html, "<style>"), 1U) << "figures share the page's";
   EXPECT_EQ(CountOf(html, "<script"), 0U);
   // No address is ever fetched: only namespaces and data.
-  const std::regex link("(src|href)=\"(?!data:)");
-  EXPECT_FALSE(std::regex_search(html, link));
+  EXPECT_EQ(CountOf(html, "src=\""), CountOf(html, "src=\"data:"));
+  EXPECT_EQ(CountOf(html, "href=\""), CountOf(html, "href=\"data:"));
   EXPECT_NE(html.find("prefers-color-scheme:dark"), std::string::npos);
   EXPECT_NE(html.find("name=\"viewport\""), std::string::npos);
 }
