@@ -132,9 +132,17 @@ class Reader {
   template <typename T>
   T Value() {
     static_assert(std::is_arithmetic_v<T>);
-    T value{};
-    Bytes(&value, sizeof(T));
-    return value;
+    if constexpr (std::is_same_v<T, bool>) {
+      const auto value = Value<std::uint8_t>();
+      if (value > 1) {
+        ThrowInputError("{}: a switch is {}, expected 0 or 1", path_, value);
+      }
+      return value == 1;
+    } else {
+      T value{};
+      Bytes(&value, sizeof(T));
+      return value;
+    }
   }
   void Bytes(void* to, std::size_t size) {
     if (size > left_) {
