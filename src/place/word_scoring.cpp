@@ -112,16 +112,10 @@ SynonymKernel::SynonymKernel(const Vocabulary& vocabulary, int radius, double si
     }
   });
   begin_.reserve(words + 1);
-  std::size_t count = 0;
-  for (const auto& row : rows) {
-    count += row.size();
-  }
-  entries_.reserve(count);
   begin_.push_back(0);
   for (const auto& row : rows) {
     entries_.insert(entries_.end(), row.begin(), row.end());
     begin_.push_back(entries_.size());
-    row = {};
   }
 }
 
