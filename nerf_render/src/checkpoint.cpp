@@ -336,14 +336,16 @@ RadianceField ReadField(const std::filesystem::path& path) {
   field.background_color.UpdateTranspose();
   field.density.UpdateTranspose();
   field.color.UpdateTranspose();
-  const auto words = reader.Value<std::uint64_t>();
-  if (words != field.occupancy.words().size()) {
+  const auto word_count = reader.Value<std::uint64_t>();
+  if (word_count != field.occupancy.words().size()) {
     ThrowInputError("{}: {} occupancy words, expected {}",
                     path.string(),
-                    words,
+                    word_count,
                     field.occupancy.words().size());
   }
-  reader.Bytes(field.occupancy.words().data(), words * 8);
+  std::vector<std::uint64_t> words(word_count);
+  reader.Bytes(words.data(), word_count * 8);
+  field.occupancy.SetWords(std::move(words));
   ReadExposures(&reader, &field);
   for (float& k : field.vignetting.k) {
     k = reader.Value<float>();

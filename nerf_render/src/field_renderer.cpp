@@ -32,19 +32,31 @@ std::vector<Tile> MakeTiles(const Camera& camera) {
   return tiles;
 }
 
-std::vector<internal::Ray> MakeRays(const RadianceField& field,
-                                    const Camera& camera,
-                                    const Rigid3& T_N_C,
-                                    const Tile& tile) {
-  const Eigen::Matrix3d R_N_C = T_N_C.R();
+/// The rays of a tile's pixels, row by row.
+struct TileRays {
   std::vector<internal::Ray> rays;
+  std::vector<float> along_axis;  ///< cosine to the optical axis
+
+  void Make(const RadianceField& field,
+            const Camera& camera,
+            const Rigid3& T_N_C,
+            const Tile& tile);
+};
+
+void TileRays::Make(const RadianceField& field,
+                    const Camera& camera,
+                    const Rigid3& T_N_C,
+                    const Tile& tile) {
+  const Eigen::Matrix3d R_N_C = T_N_C.R();
+  rays.clear();
+  along_axis.clear();
   for (int y = tile.y; y < tile.y + tile.height; ++y) {
     for (int x = tile.x; x < tile.x + tile.width; ++x) {
-      const Eigen::Vector3d direction_N = R_N_C * camera.Unproject({x, y});
-      rays.push_back(internal::MakeRay(field, T_N_C.t, direction_N, 0.5F));
+      const Eigen::Vector3d direction_C = camera.Unproject({x, y});
+      rays.push_back(internal::MakeRay(field, T_N_C.t, R_N_C * direction_C, 0.5F));
+      along_axis.push_back(static_cast<float>(direction_C.z()));
     }
   }
-  return rays;
 }
 
 std::uint8_t ToGrey(float value) {
@@ -116,14 +128,16 @@ RenderedView FieldRenderer::Render(const Camera& camera,
       [&](std::size_t begin, std::size_t end) {
         internal::RayTracer tracer(*field_, *kernels_);
         internal::Trace trace;
+        TileRays tile_rays;
         for (std::size_t i = begin; i < end; ++i) {
           const Tile& tile = tiles[i];
-          tracer.Run(MakeRays(*field_, camera, T_N_C, tile), trace_options, &trace);
+          tile_rays.Make(*field_, camera, T_N_C, tile);
+          tracer.Run(tile_rays.rays, trace_options, &trace);
           std::size_t ray = 0;
           for (int y = tile.y; y < tile.y + tile.height; ++y) {
             for (int x = tile.x; x < tile.x + tile.width; ++x) {
-              const auto z = static_cast<float>(camera.Unproject({x, y}).z());
-              const float vignetting = options.vignetting ? field_->vignetting.At(1 - z) : 1.0F;
+              const float vignetting =
+                  options.vignetting ? field_->vignetting.At(1 - tile_rays.along_axis[ray]) : 1.0F;
               WritePixel(trace, ray++, *field_, options, vignetting, {x, y}, &view);
             }
           }

@@ -33,7 +33,7 @@ OccupancyUpdate::OccupancyUpdate(const std::vector<TrainingView>& views,
   if (carve_votes > 0) {
     Carve(views, carve_votes, *field);
   }
-  field->occupancy.words() = open_;
+  field->occupancy.SetWords(open_);
 }
 
 void OccupancyUpdate::FindSeen(const std::vector<TrainingView>& views,
@@ -185,6 +185,7 @@ void OccupancyUpdate::Run(const Kernels& kernels,
         }
       },
       256);
+  grid.FindLeaps();
 }
 
 }  // namespace deja_view::nerf::internal

@@ -208,11 +208,16 @@ Split HoldOut(const std::vector<PosedImage>& images, int every) {
   for (std::size_t i = 0; i < images.size(); ++i) {
     if (every > 0 && i % static_cast<std::size_t>(every) == 0) {
       split.held_out.push_back(images[i]);
+      split.next.push_back(split.training.size());
     } else if (every > 0 && depth_is_rare && has_depth(images[i])) {
       split.depth_checks.push_back(images[i]);
     } else {
       split.training.push_back(images[i]);
     }
+  }
+  const std::size_t last = std::max<std::size_t>(split.training.size(), 1) - 1;
+  for (std::size_t& next : split.next) {
+    next = std::min(next, last);
   }
   return split;
 }

@@ -7,20 +7,48 @@
 namespace deja_view::nerf::internal {
 namespace {
 
-constexpr int kSamplesPerRound = 4;
+constexpr std::size_t kSamplesPerRound = 4;
 constexpr float kNudge = 1e-6F;  ///< beyond a face, in unit lengths
 
 // Length to where the ray leaves the cube [low, low + size] of cells.
 float ExitOf(const Ray& ray, const std::array<int, 3>& low, int size, float cell) {
   float exit = std::numeric_limits<float>::max();
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const float d = ray.direction[axis];
-    if (std::abs(d) > 1e-9F) {
-      const float face = static_cast<float>(low[axis] + (d > 0 ? size : 0)) * cell;
-      exit = std::min(exit, (face - ray.origin[axis]) / d);
+    if (ray.inverse[axis] != 0) {
+      const int face = low[axis] + (ray.inverse[axis] > 0 ? size : 0);
+      exit =
+          std::min(exit, (static_cast<float>(face) * cell - ray.origin[axis]) * ray.inverse[axis]);
     }
   }
   return exit;
+}
+
+// Length to where the ray leaves the empty cells about the empty cell `at`.
+float LeapOver(const OccupancyGrid& grid,
+               std::size_t index,
+               const std::array<int, 3>& at,
+               const Ray& ray,
+               float cell) {
+  const std::uint64_t word = grid.words()[index / 64];
+  std::array<int, 3> low = at;
+  int size = 1;
+  if (word == 0) {
+    const int leap = std::max(1, grid.leap(index / 64));
+    for (int& x : low) {
+      x = 4 * (x / 4 - (leap - 1));
+    }
+    size = 4 * (2 * leap - 1);
+  } else {
+    constexpr std::uint64_t kOctant = 0x330033;  // 2x2x2 cells of a block
+    constexpr std::size_t kLowestOfOctant = 2 + 8 + 32;
+    if ((word >> (index & kLowestOfOctant) & kOctant) == 0) {
+      for (int& x : low) {
+        x &= ~1;
+      }
+      size = 2;
+    }
+  }
+  return ExitOf(ray, low, size, cell);
 }
 
 }  // namespace
@@ -44,6 +72,8 @@ Ray MakeRay(const RadianceField& field,
     const double d = direction_N[axis];
     ray.origin[static_cast<std::size_t>(axis)] = static_cast<float>(origin[axis]);
     ray.direction[static_cast<std::size_t>(axis)] = static_cast<float>(d);
+    ray.inverse[static_cast<std::size_t>(axis)] =
+        std::abs(d) > 1e-9 ? static_cast<float>(1 / d) : 0.0F;
     if (std::abs(d) < 1e-12) {
       if (origin[axis] < 0 || origin[axis] > extent[axis]) {
         end = -1;
@@ -60,27 +90,26 @@ Ray MakeRay(const RadianceField& field,
   return ray;
 }
 
-void RayTracer::Round::Clear() {
-  ray.clear();
-  t.clear();
-  dt.clear();
-  x.clear();
-  y.clear();
-  z.clear();
+void RayTracer::Round::Reserve(std::size_t most) {
+  count = 0;
+  ray.resize(most);
+  for (auto* values : {&t, &dt, &x, &y, &z}) {
+    values->resize(most);
+  }
 }
 
 RayTracer::RayTracer(const RadianceField& field, const Kernels& kernels)
     : field_(field), kernels_(kernels) {}
 
 void RayTracer::March(const Ray& ray,
-                      std::uint32_t index,
+                      std::uint32_t number,
                       const TraceOptions& options,
                       State* state) {
   const OccupancyGrid& grid = field_.occupancy;
   const float scale = grid.scale();
   const float cell = 1 / scale;
   const Eigen::Vector3f extent = field_.Extent();
-  int found = 0;
+  std::size_t found = 0;
   float t = state->t;
   while (found < kSamplesPerRound && t < ray.end) {
     std::array<int, 3> at;
@@ -88,13 +117,9 @@ void RayTracer::March(const Ray& ray,
       const float p = ray.origin[axis] + (t + kNudge) * ray.direction[axis];
       at[axis] = std::clamp(static_cast<int>(p * scale), 0, grid.cells()[axis] - 1);
     }
-    const std::size_t place = grid.Index(at[0], at[1], at[2]);
-    const std::uint64_t word = grid.words()[place / 64];
-    if ((word >> (place % 64) & 1U) == 0) {
-      const int size = word == 0 ? 4 : 1;
-      const std::array<int, 3> low = {
-          at[0] / size * size, at[1] / size * size, at[2] / size * size};
-      t = std::max(t + kNudge, ExitOf(ray, low, size, cell));
+    const std::size_t index = grid.Index(at[0], at[1], at[2]);
+    if (!grid.IsOccupied(index)) {
+      t = std::max(t + kNudge, LeapOver(grid, index, at, ray, cell));
       continue;
     }
     const float step =
@@ -102,21 +127,22 @@ void RayTracer::March(const Ray& ray,
         std::clamp(t * options.march.cone_angle, options.march.min_step, options.march.max_step);
     const float dt = std::min(step, ray.end - t);
     const float middle = t + ray.jitter * dt;
-    round_.ray.push_back(index);
-    round_.t.push_back(middle);
-    round_.dt.push_back(dt);
-    round_.x.push_back(std::clamp(ray.origin[0] + middle * ray.direction[0], 0.0F, extent.x()));
-    round_.y.push_back(std::clamp(ray.origin[1] + middle * ray.direction[1], 0.0F, extent.y()));
-    round_.z.push_back(std::clamp(ray.origin[2] + middle * ray.direction[2], 0.0F, extent.z()));
+    const std::size_t s = round_.count++;
+    round_.ray[s] = number;
+    round_.t[s] = middle;
+    round_.dt[s] = dt;
+    round_.x[s] = std::clamp(ray.origin[0] + middle * ray.direction[0], 0.0F, extent.x());
+    round_.y[s] = std::clamp(ray.origin[1] + middle * ray.direction[1], 0.0F, extent.y());
+    round_.z[s] = std::clamp(ray.origin[2] + middle * ray.direction[2], 0.0F, extent.z());
     t += step;
     ++found;
   }
   state->t = t;
-  state->samples += found;
+  state->samples += static_cast<int>(found);
 }
 
 void RayTracer::EvaluateDensity() {
-  const std::size_t count = round_.t.size();
+  const std::size_t count = round_.count;
   const auto stride = static_cast<std::size_t>(field_.density.row_stride());
   round_.rows.resize(count * stride);
   round_.raw.resize(count);
@@ -138,7 +164,7 @@ void RayTracer::EvaluateDensity() {
 
 void RayTracer::Composite(const TraceOptions& options, std::vector<State>* states) {
   const auto stride = static_cast<std::ptrdiff_t>(field_.density.row_stride());
-  for (std::size_t s = 0; s < round_.t.size(); ++s) {
+  for (std::size_t s = 0; s < round_.count; ++s) {
     State& state = (*states)[round_.ray[s]];
     if (state.transmittance < options.march.min_transmittance) {
       continue;
@@ -289,11 +315,11 @@ void RayTracer::Run(const std::vector<Ray>& rays, const TraceOptions& options, T
   unsorted_.ray.clear();
   trace->evaluated = 0;
   while (!active.empty()) {
-    round_.Clear();
+    round_.Reserve(active.size() * kSamplesPerRound);
     for (const std::uint32_t r : active) {
       March(rays[r], r, options, &states[r]);
     }
-    trace->evaluated += round_.t.size();
+    trace->evaluated += round_.count;
     EvaluateDensity();
     Composite(options, &states);
     active.erase(std::remove_if(active.begin(),

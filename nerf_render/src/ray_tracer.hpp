@@ -15,6 +15,7 @@ namespace deja_view::nerf::internal {
 struct Ray {
   std::array<float, 3> origin;
   std::array<float, 3> direction;
+  std::array<float, 3> inverse;   ///< of the direction; 0: along this axis' faces
   float begin = 0;                ///< where it enters the box
   float end = 0;                  ///< where it leaves it; <= begin: it misses
   float jitter = 0.5F;            ///< place of the samples within their steps, in [0, 1)
@@ -84,7 +85,8 @@ class RayTracer {
     std::vector<float> t, dt, x, y, z;
     std::vector<float> rows;
     std::vector<float> raw, sigma, transparency;
-    void Clear();
+    std::size_t count = 0;           ///< samples in use
+    void Reserve(std::size_t most);  ///< and forget all
   };
 
   void March(const Ray& ray, std::uint32_t index, const TraceOptions& options, State* state);

@@ -41,7 +41,32 @@ double RadTan::MaxRadiusSquared() const {
   return denominator > 0 ? 2.0 / denominator : kInfinity;
 }
 
+// Newton's iteration from `d` itself: all that common lenses need.
+std::optional<Eigen::Vector2d> RadTan::UndistortNear(const Eigen::Vector2d& d,
+                                                     double max_radius_squared) const {
+  constexpr int kMaxSteps = 8;
+  constexpr double kRounding = 1e-15;
+  Eigen::Vector2d u = d;
+  for (int i = 0; i < kMaxSteps; ++i) {
+    Eigen::Matrix2d J;
+    const Eigen::Vector2d residual = Distort(u, &J) - d;
+    const Eigen::Vector2d step = J.inverse() * residual;
+    u -= step;
+    // Within the valid circle the inverse is unique.
+    if (!(u.squaredNorm() < max_radius_squared) || !(J.determinant() > 0)) {
+      return std::nullopt;
+    }
+    if (step.squaredNorm() <= kRounding * u.squaredNorm()) {
+      return u;
+    }
+  }
+  return std::nullopt;
+}
+
 Eigen::Vector2d RadTan::Undistort(const Eigen::Vector2d& d) const {
+  if (const auto near = UndistortNear(d, 0.9 * MaxRadiusSquared())) {
+    return *near;
+  }
   const double radius_d = d.norm();
   if (radius_d == 0) {
     return d;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include <Eigen/Core>
 
 namespace deja_view::internal {
@@ -22,6 +24,10 @@ struct RadTan {
   /// Squared radius up to which the radial polynomial increases (infinite when it always does).
   /// Beyond it the image folds back, so that nothing is seen there.
   double MaxRadiusSquared() const;
+
+ private:
+  std::optional<Eigen::Vector2d> UndistortNear(const Eigen::Vector2d& d,
+                                               double max_radius_squared) const;
 };
 
 }  // namespace deja_view::internal

@@ -74,10 +74,10 @@ struct NerfCompareRequest {
 /// rays_per_s, samples_per_s, interrupted, peak_rss_mb`.
 nlohmann::ordered_json RunNerfTrain(const NerfTrainRequest& request);
 
-/// Renders held-out views; returns `psnr_db, ssim, corner_match_rate, views, depth_rel_err_median
-/// (over all pixels of nerf::Split's held_out and depth_checks that have a true depth; null without
-/// any), depth_views, render_ms_median, peak_rss_mb`. Exposures are those of the training images
-/// before and after, not fitted.
+/// Renders held-out views; returns `psnr_db, ssim, corner_match_rate, corner_match_ceiling, views,
+/// depth_rel_err_median (over all pixels of nerf::Split's held_out and depth_checks that have a
+/// true depth; null without any), depth_views, render_ms_median, peak_rss_mb`. Exposures are those
+/// of the training images before and after, not fitted.
 nlohmann::ordered_json RunNerfEval(const NerfEvalRequest& request);
 
 /// Trains a short field per source of poses, on the same images with the same steps, and compares

@@ -162,7 +162,7 @@ Json Judge(const NerfCompareRequest& request, const Source& source, const Interr
       request.pictures.empty() ? request.pictures : request.pictures / source.name);
   for (const nerf::PosedImage& image : split.held_out) {
     interrupt.Check();
-    evaluation.Compare(image);
+    evaluation.Compare(image, nullptr);
   }
   Json json;
   json["name"] = source.name;

@@ -35,9 +35,10 @@ Json RunNerfEval(const NerfEvalRequest& request) {
   if (request.show_progress) {
     progress.emplace("rendering", "views", split.held_out.size() + split.depth_checks.size());
   }
-  for (const nerf::PosedImage& image : split.held_out) {
+  for (std::size_t i = 0; i < split.held_out.size(); ++i) {
     interrupt.Check();
-    evaluation.Compare(image);
+    evaluation.Compare(split.held_out[i],
+                       split.training.empty() ? nullptr : &split.training[split.next[i]]);
     if (progress) {
       progress->Update(evaluation.render_ms().size());
     }
@@ -56,6 +57,9 @@ Json RunNerfEval(const NerfEvalRequest& request) {
   json["psnr_db"] = Mean(evaluation.psnr_db());
   json["ssim"] = Mean(evaluation.ssim());
   json["corner_match_rate"] = Mean(evaluation.corner_match_rate());
+  json["corner_match_ceiling"] = evaluation.corner_match_ceiling().empty()
+                                     ? Json(nullptr)
+                                     : Json(Mean(evaluation.corner_match_ceiling()));
   json["views"] = evaluation.psnr_db().size();
   json["depth_rel_err_median"] =
       evaluation.depth_views() > 0 ? Json(Median(evaluation.depth_errors())) : Json(nullptr);

@@ -38,12 +38,17 @@ NerfEvaluation::NerfEvaluation(const nerf::FieldRenderer& renderer,
   load_options_.depth_step_px = 0;
 }
 
-void NerfEvaluation::Compare(const nerf::PosedImage& image) {
+void NerfEvaluation::Compare(const nerf::PosedImage& image, const nerf::PosedImage* neighbour) {
   const nerf::TrainingView real = Load(image);
   const RenderedView rendered = Render(real);
   psnr_db_.push_back(nerf::Psnr(real.image, rendered.image));
   ssim_.push_back(nerf::Ssim(real.image, rendered.image));
   corner_match_rate_.push_back(nerf::CornerMatchRate(ToGrey(real.image), ToGrey(rendered.image)));
+  if (neighbour != nullptr) {
+    const cv::Mat warped =
+        nerf::WarpImage(Load(*neighbour), *real.camera, real.T_N_C, rendered.depth);
+    corner_match_ceiling_.push_back(nerf::CornerMatchRate(ToGrey(real.image), ToGrey(warped)));
+  }
   if (!pictures_.empty()) {
     WritePng(pictures_ / (image.name + ".png"), SideBySide(real.image, rendered.image));
   }

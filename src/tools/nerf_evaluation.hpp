@@ -17,14 +17,18 @@ class NerfEvaluation {
                  const nerf::LoadOptions& load_options,
                  const std::filesystem::path& pictures);
 
-  /// Throws InputError for an image that can't be read.
-  void Compare(const nerf::PosedImage& image);
+  /// Throws InputError for an image that can't be read. `neighbour`, if given, is an image taken
+  /// near it: it is seen from `image`'s pose with the field's depth, as the ceiling of what renders
+  /// can reach.
+  void Compare(const nerf::PosedImage& image, const nerf::PosedImage* neighbour);
   void CompareDepthOnly(const nerf::PosedImage& image);
 
   /// One entry per Compare.
   const std::vector<double>& psnr_db() const { return psnr_db_; }
   const std::vector<double>& ssim() const { return ssim_; }
   const std::vector<double>& corner_match_rate() const { return corner_match_rate_; }
+  /// One per Compare with a neighbour.
+  const std::vector<double>& corner_match_ceiling() const { return corner_match_ceiling_; }
   /// One per rendered view [ms].
   const std::vector<double>& render_ms() const { return render_ms_; }
   /// One per pixel of a view with a depth map.
@@ -42,6 +46,7 @@ class NerfEvaluation {
   std::vector<double> psnr_db_;
   std::vector<double> ssim_;
   std::vector<double> corner_match_rate_;
+  std::vector<double> corner_match_ceiling_;
   std::vector<double> render_ms_;
   std::vector<double> depth_errors_;
   std::size_t depth_views_ = 0;

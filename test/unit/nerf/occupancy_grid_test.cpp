@@ -1,5 +1,10 @@
 #include "deja_view/nerf/occupancy_grid.hpp"
 
+#include <algorithm>
+#include <cstdlib>
+#include <random>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 namespace deja_view::nerf {
@@ -25,6 +30,32 @@ TEST(OccupancyGrid, SetsOneCell) {
   EXPECT_EQ(grid.CountOccupied(), std::size_t{511});
   grid.Set(index, true);
   EXPECT_TRUE(grid.IsOccupied(index));
+}
+
+TEST(OccupancyGrid, LeapsEndAtTheNearestMatter) {
+  OccupancyGrid grid(72, {1.0F, 0.8F, 0.6F});
+  std::vector<std::uint64_t> words(grid.words().size(), 0);
+  std::mt19937 rng(5);
+  for (int i = 0; i < 6; ++i) {
+    words[rng() % words.size()] = 1;
+  }
+  grid.SetWords(words);
+  for (std::size_t a = 0; a < words.size(); ++a) {
+    int nearest = 15;
+    for (std::size_t b = 0; b < words.size(); ++b) {
+      if (words[b] == 0) {
+        continue;
+      }
+      const auto at = grid.Cell(64 * a);
+      const auto matter = grid.Cell(64 * b);
+      int apart = 0;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        apart = std::max(apart, std::abs(at[axis] - matter[axis]) / 4);
+      }
+      nearest = std::min(nearest, apart);
+    }
+    ASSERT_EQ(grid.leap(a), nearest) << a;
+  }
 }
 
 }  // namespace

@@ -128,6 +128,8 @@ TEST(HoldOut, TakesEveryNth) {
   const Split split = HoldOut(images, 3);
   EXPECT_EQ(split.held_out.size(), 3U);
   EXPECT_EQ(split.training.size(), 4U);
+  // The last image is held out: what comes next to it is before it.
+  EXPECT_EQ(split.next, (std::vector<std::size_t>{0, 2, 3}));
   EXPECT_TRUE(HoldOut(images, 0).held_out.empty());
 }
 

@@ -39,7 +39,7 @@ TEST(RayTracer, SlabOfConstantDensityDimsAsTheExponential) {
 
 TEST(RayTracer, EmptySpaceGivesNoSample) {
   RadianceField field = ConstantField(5, 0.4F);
-  std::fill(field.occupancy.words().begin(), field.occupancy.words().end(), 0);
+  field.occupancy.SetWords(std::vector<std::uint64_t>(field.occupancy.words().size(), 0));
   const Trace trace = TraceAll(field, {MakeRay(field, {-5, 0.3, 0.2}, {1, 0, 0}, 0.5F)});
   EXPECT_EQ(trace.size(), std::size_t{0});
   EXPECT_EQ(trace.evaluated, std::size_t{0});

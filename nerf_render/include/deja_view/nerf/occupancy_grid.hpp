@@ -9,8 +9,9 @@
 
 namespace deja_view::nerf {
 
-/// Which cells of the scene hold matter, one bit each in blocks of 4x4x4 (one word), so that a ray
-/// leaps over an empty block at once. Positions in unit coordinates.
+/// Which cells of the scene hold matter, one bit each in blocks of 4x4x4 (one word), and how far
+/// the nearest block with matter is, so that a ray leaps over empty space. Positions in unit
+/// coordinates.
 class OccupancyGrid {
  public:
   OccupancyGrid() = default;
@@ -20,7 +21,6 @@ class OccupancyGrid {
   const std::array<int, 3>& cells() const { return cells_; }  ///< per axis, multiples of 4
   float scale() const { return scale_; }                      ///< cells per unit length
   std::size_t cell_count() const { return words_.size() * 64; }
-  std::vector<std::uint64_t>& words() { return words_; }
   const std::vector<std::uint64_t>& words() const { return words_; }
 
   /// Index of a cell: 64 block + place in the block.
@@ -35,7 +35,14 @@ class OccupancyGrid {
   bool IsOccupied(std::size_t index) const {
     return (words_[index / 64] >> (index % 64) & 1U) != 0;
   }
+  /// Of a word per block. Finds the leaps, too.
+  void SetWords(std::vector<std::uint64_t> words);
+  /// Leaps may be too wide until FindLeaps() is called. Different blocks may be set by different
+  /// threads.
   void Set(std::size_t index, bool occupied);
+  void FindLeaps();
+  /// With a leap of n >= 1, all blocks within n - 1 blocks of this one on each axis are empty.
+  int leap(std::size_t block) const { return leaps_[block]; }
   std::size_t CountOccupied() const;
 
  private:
@@ -43,6 +50,7 @@ class OccupancyGrid {
   std::array<int, 3> blocks_{};
   float scale_ = 1;
   std::vector<std::uint64_t> words_;
+  std::vector<std::uint8_t> leaps_;  ///< per block
 };
 
 }  // namespace deja_view::nerf

@@ -67,11 +67,12 @@ void DropStrayPoints(std::vector<PosedImage>* images);
 struct Split {
   std::vector<PosedImage> training;
   std::vector<PosedImage> held_out;      ///< every N-th, from the first on
+  std::vector<std::size_t> next;         ///< per held-out image, the training image after it
   std::vector<PosedImage> depth_checks;  ///< others with a depth map, only for the depth's error
 };
 
 /// Holds out every `every`-th image, and those with a depth map where at most half of the images
-/// have one. 0: none.
+/// have one. 0: none. `next` of the last ones may be the training image before them.
 Split HoldOut(const std::vector<PosedImage>& images, int every);
 
 }  // namespace deja_view::nerf
