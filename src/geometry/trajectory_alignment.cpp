@@ -148,6 +148,21 @@ Points Positions(const std::vector<Rigid3>& poses) {
   return points;
 }
 
+// Empty: none.
+std::string ObstacleOf(const Pairs& pairs, AlignmentFreedom freedom) {
+  constexpr std::size_t kMinPairs = 10;
+  if (pairs.T_A_X.size() < kMinPairs) {
+    return fmt::format(
+        "{} poses have a common stamp: expected at least {}", pairs.T_A_X.size(), kMinPairs);
+  }
+  for (const std::vector<Rigid3>& poses : {pairs.T_A_X, pairs.T_B_X}) {
+    if (IsRotationOpen(Positions(poses), freedom)) {
+      return "the positions lie on one line, which leaves the alignment open";
+    }
+  }
+  return "";
+}
+
 }  // namespace
 
 std::string RobustAlignment::Summary() const {
@@ -199,25 +214,23 @@ RobustAlignment AlignPointsRobustly(const Points& p_A,
   return result;
 }
 
+std::string AlignmentObstacle(const Trajectory& T_A_X,
+                              const Trajectory& T_B_X,
+                              const AlignmentOptions& options) {
+  return ObstacleOf(FindPairs(T_A_X, T_B_X, options.max_gap_ns), options.freedom);
+}
+
 RobustAlignment AlignTrajectories(const Trajectory& T_A_X,
                                   const Trajectory& T_B_X,
                                   const AlignmentOptions& options,
                                   const std::string& what) {
-  constexpr std::size_t kMinPairs = 10;
   const Pairs pairs = FindPairs(T_A_X, T_B_X, options.max_gap_ns);
-  if (pairs.T_A_X.size() < kMinPairs) {
-    ThrowInputError("{}: {} poses have a common stamp: expected at least {}",
-                    what,
-                    pairs.T_A_X.size(),
-                    kMinPairs);
+  const std::string obstacle = ObstacleOf(pairs, options.freedom);
+  if (!obstacle.empty()) {
+    ThrowInputError("{}: {}", what, obstacle);
   }
   const Points p_A = Positions(pairs.T_A_X);
   const Points p_B = Positions(pairs.T_B_X);
-  for (const Points& points : {p_A, p_B}) {
-    if (IsRotationOpen(points, options.freedom)) {
-      ThrowInputError("{}: the positions lie on one line, which leaves the alignment open", what);
-    }
-  }
   RobustAlignment result = AlignPointsRobustly(p_A, p_B, options);
   result.rotation_rad = MedianRotation(pairs.T_A_X, pairs.T_B_X, result.A_B.T_A_B.q);
   if (result.inlier_share < options.min_inlier_share || result.rmse_m > options.max_rmse_m ||

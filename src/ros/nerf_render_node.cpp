@@ -76,6 +76,8 @@ NerfRenderNode::NerfRenderNode()
   const std::string preset = internal::ReadText(private_handle_, "preset_file");
   if (!preset.empty()) {
     ReadOptions(preset, &options_);
+    options_.rendering.network =
+        FindNetwork(options_.rendering.network, {std::filesystem::path(preset).parent_path()});
   }
   queue_ = std::make_unique<ViewQueue>(
       ReadQueueOptions(private_handle_), options_.sources, ReadExtrinsic(private_handle_, vins_));

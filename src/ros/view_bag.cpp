@@ -1,6 +1,7 @@
 #include "deja_view/ros/view_bag.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/parallel.hpp"
 #include "deja_view/camera/camera_parameters.hpp"
 #include "deja_view/io/config_node.hpp"
 #include "deja_view/ros/bag_writer.hpp"
@@ -8,7 +9,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <mutex>
 #include <set>
+#include <thread>
 #include <utility>
 
 #include "view_messages.hpp"
@@ -72,10 +75,11 @@ void MakeOne(const ViewJob& job,
              const ViewMaker& maker,
              const ViewRendererFactory& make_renderer,
              const LoadedSource& loaded,
+             int threads,
              const ViewStore& store) {
   const auto start = Clock::now();
   const auto renderer = make_renderer(loaded.source, loaded.points);
-  const MadeViews made = maker.Make(loaded.source, *renderer, job.threads);
+  const MadeViews made = maker.Make(loaded.source, *renderer, threads);
   SourceResult result;
   result.stamp_ns = loaded.source.stamp_ns;
   result.recorded_ns = loaded.recorded_ns;
@@ -89,6 +93,44 @@ void MakeOne(const ViewJob& job,
   result.fit = made.fit;
   result.elapsed_s = std::chrono::duration<double>(Clock::now() - start).count();
   store.Write(result);
+}
+
+// Makes and stores the views of `missing`. Each thread takes whole images: what a view needs beside
+// its render (gates, fits, networks, compression) runs on one thread and would leave others idle.
+void MakeMissing(const ViewJob& job,
+                 const BagReader& bag,
+                 const ViewMaker& maker,
+                 const ViewRendererFactory& make_renderer,
+                 const std::vector<SourceImage>& missing,
+                 const ViewStore& store,
+                 const std::function<void()>& on_made) {
+  constexpr std::size_t kImagesPerThread = 8;  // held in memory at once
+  const std::size_t threads = job.threads > 0
+                                  ? static_cast<std::size_t>(job.threads)
+                                  : std::max<std::size_t>(1, std::thread::hardware_concurrency());
+  const int threads_per_image = missing.size() < threads ? job.threads : 1;
+  std::mutex mutex;
+  std::vector<LoadedSource> batch;
+  const auto make_batch = [&] {
+    ParallelFor(threads_per_image == 1 ? job.threads : 1,
+                batch.size(),
+                [&](std::size_t begin, std::size_t end) {
+                  for (std::size_t i = begin; i < end; ++i) {
+                    MakeOne(job, maker, make_renderer, batch[i], threads_per_image, store);
+                    const std::lock_guard<std::mutex> lock(mutex);
+                    on_made();
+                  }
+                });
+    batch.clear();
+  };
+  ReadSourceImages(
+      bag, job.topics, *job.camera, job.T_B_C, missing, [&](const LoadedSource& loaded) {
+        batch.push_back(loaded);
+        if (batch.size() >= kImagesPerThread * threads) {
+          make_batch();
+        }
+      });
+  make_batch();
 }
 
 void Count(const SourceResult& result, ViewReport* report) {
@@ -213,7 +255,7 @@ ViewReport RenderViews(
   DEJA_VIEW_CHECK(job.shard.count >= 1 && job.shard.index >= 0 &&
                   job.shard.index < job.shard.count);
   const BagReader bag(job.bag);
-  const SourceImages all = FindSourceImages(bag, job.topics, job.sources, job.T_N_B, job.T_B_C);
+  const SourceImages all = FindSourceImages(bag, job.topics, job.sources, job.T_N_C);
   const std::vector<SourceImage> selected = SelectSourceImages(all.images, job.options.sources);
   const std::vector<SourceImage> share = ShareOf(selected, job.shard);
   const std::uint64_t job_hash = HashJob(job, bag, selected);
@@ -240,11 +282,8 @@ ViewReport RenderViews(
   const ViewMaker maker(
       job.options, job.content, job.camera, std::move(flown_N), HashText(job.settings));
   std::size_t done = share.size() - missing.size();
-  ReadSourceImages(
-      bag, job.topics, *job.camera, job.T_B_C, missing, [&](const LoadedSource& loaded) {
-        MakeOne(job, maker, make_renderer, loaded, store);
-        on_progress(++done, share.size());
-      });
+  MakeMissing(
+      job, bag, maker, make_renderer, missing, store, [&] { on_progress(++done, share.size()); });
 
   const bool is_whole = job.shard.count == 1;
   const fs::path part = is_whole ? work / "views.bag" : job.out;

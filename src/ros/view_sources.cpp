@@ -5,8 +5,6 @@
 
 #include "view_points.hpp"
 
-#include <geometry_msgs/PoseStamped.h>
-
 namespace deja_view {
 namespace {
 
@@ -15,15 +13,6 @@ std::int64_t StampOf(const rosbag::MessageInstance& instance) {
     return ToNanoseconds(Instantiate<sensor_msgs::Image>(instance)->header.stamp);
   }
   return ToNanoseconds(Instantiate<sensor_msgs::CompressedImage>(instance)->header.stamp);
-}
-
-StampedPose PoseOf(const rosbag::MessageInstance& instance) {
-  const std::string topic = instance.getTopic();
-  if (instance.isType<nav_msgs::Odometry>()) {
-    return FromOdometry(*Instantiate<nav_msgs::Odometry>(instance), topic);
-  }
-  const auto message = Instantiate<geometry_msgs::PoseStamped>(instance);
-  return {ToNanoseconds(message->header.stamp), FromPose(message->pose, topic)};
 }
 
 // Keys (KeyframeAssembler::Key) of the keyframes' stamps; nothing when all images are wanted.
@@ -71,27 +60,10 @@ void CheckSize(const cv::Mat& image, const Camera& camera, const std::string& to
 
 }  // namespace
 
-Trajectory ReadPoseTopic(const BagReader& bag, const std::string& topic) {
-  bag.RequireTopic(topic, {"nav_msgs/Odometry", "geometry_msgs/PoseStamped"});
-  Trajectory trajectory;
-  bag.Read({topic}, [&trajectory](const rosbag::MessageInstance& instance) {
-    const StampedPose pose = PoseOf(instance);
-    if (trajectory.empty() || pose.stamp_ns > trajectory.stamps_ns.back()) {
-      trajectory.stamps_ns.push_back(pose.stamp_ns);
-      trajectory.poses.push_back(pose.pose);
-    }
-  });
-  if (trajectory.empty()) {
-    ThrowInputError("{}: topic '{}' holds no pose", bag.path().string(), topic);
-  }
-  return trajectory;
-}
-
 SourceImages FindSourceImages(const BagReader& bag,
                               const VioTopics& topics,
                               SourceKind kind,
-                              const Trajectory& T_N_B,
-                              const Rigid3& T_B_C,
+                              const Trajectory& T_N_C,
                               std::int64_t max_gap_ns) {
   bag.RequireTopic(topics.image, {"sensor_msgs/Image", "sensor_msgs/CompressedImage"});
   const std::optional<std::set<std::int64_t>> keyframes = KeyframeKeys(bag, topics, kind);
@@ -103,8 +75,8 @@ SourceImages FindSourceImages(const BagReader& bag,
     if (!is_wanted || !seen.insert(stamp_ns).second) {
       return;
     }
-    if (const std::optional<Rigid3> T_N_Bi = T_N_B.At(stamp_ns, max_gap_ns)) {
-      result.images.push_back({stamp_ns, ToNanoseconds(instance.getTime()), *T_N_Bi * T_B_C});
+    if (const std::optional<Rigid3> pose = T_N_C.At(stamp_ns, max_gap_ns)) {
+      result.images.push_back({stamp_ns, ToNanoseconds(instance.getTime()), *pose});
     } else {
       ++result.without_pose;
     }

@@ -7,7 +7,6 @@
 #include "deja_view/nerf/sparse_points.hpp"
 #include "deja_view/nerf/trainer.hpp"
 
-#include <cmath>
 #include <map>
 #include <memory>
 #include <optional>
@@ -134,16 +133,6 @@ nerf::RadianceField TrainField(const NerfCompareRequest& request,
     progress->Finish(steps);
   }
   return std::move(trainer).TakeField();
-}
-
-Json ToJson(const RobustAlignment& alignment) {
-  Json json;
-  json["rmse_m"] = alignment.rmse_m;
-  json["max_m"] = alignment.max_m;
-  json["inlier_share"] = alignment.inlier_share;
-  json["rotation_deg"] = alignment.rotation_rad * 180 / M_PI;
-  json["scale"] = alignment.A_B.scale;
-  return json;
 }
 
 Json Judge(const NerfCompareRequest& request, const Source& source, const Interrupt& interrupt) {

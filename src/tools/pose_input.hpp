@@ -1,9 +1,11 @@
 #pragma once
 
-#include "deja_view/geometry/trajectory.hpp"
+#include "deja_view/geometry/trajectory_alignment.hpp"
 
 #include <filesystem>
 #include <string>
+
+#include <nlohmann/json.hpp>
 
 namespace deja_view {
 
@@ -21,5 +23,13 @@ PoseSource ReadPoses(const std::filesystem::path& path,
 
 /// As above, of "FILE" or "BAG:/topic".
 PoseSource ReadPoses(const std::string& file_or_topic, bool is_of_camera);
+
+/// As above, of "FILE", "BAG:/topic", or "/topic" of `bag`.
+PoseSource ReadFlightPoses(const std::string& file_or_topic,
+                           const std::filesystem::path& bag,
+                           bool is_of_camera);
+
+/// `pairs, inlier_share, rmse_m, max_m, rotation_deg, scale`.
+nlohmann::ordered_json ToJson(const RobustAlignment& alignment);
 
 }  // namespace deja_view

@@ -12,6 +12,9 @@ using Clock = std::chrono::steady_clock;
 
 double SecondsSince(Clock::time_point start);
 
+/// Processor time of all threads of this process so far [s].
+double CpuSeconds();
+
 /// Largest resident set of this process so far [MiB].
 double PeakRss_mb();
 

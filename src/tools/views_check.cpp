@@ -12,25 +12,36 @@
 #include "tool_figures.hpp"
 #include "views_command.hpp"
 #include "views_input.hpp"
-#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
 
 namespace deja_view {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
+// What one view took to make.
+struct Cost {
+  double ms = 0;
+  double cpu_ms = 0;  // of all threads
+  std::size_t bytes = 0;
+};
+
 // Sums over the views of one way of making them.
 struct Tally {
   std::size_t views = 0;
   MatchCount matches;
   std::vector<double> render_ms;
+  std::vector<double> render_cpu_ms;
+  std::vector<double> bytes;
 
-  void Add(const MatchCount& count, double ms) {
+  void Add(const MatchCount& count, const Cost& cost) {
     ++views;
     matches.visible += count.visible;
     matches.matched += count.matched;
     matches.correct += count.correct;
-    render_ms.push_back(ms);
+    render_ms.push_back(cost.ms);
+    render_cpu_ms.push_back(cost.cpu_ms);
+    bytes.push_back(static_cast<double>(cost.bytes));
   }
 };
 
@@ -44,12 +55,20 @@ Json ToJson(const Tally& tally) {
   json["precision"] = static_cast<double>(tally.matches.correct) /
                       static_cast<double>(std::max<std::size_t>(1, tally.matches.matched));
   json["render_ms_median"] = Median(tally.render_ms);
+  json["render_cpu_ms"] = Mean(tally.render_cpu_ms);
+  json["bytes"] = Mean(tally.bytes);
   return json;
 }
 
+std::size_t JpegBytes(const cv::Mat& image, int quality) {
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
+  return bytes.size();
+}
+
 // Ways of making a view of full size with the radiance field.
-std::map<std::string, ViewUpscaler> MakeWays(const ViewsCheckRequest& request,
-                                             UpscalingOptions options) {
+std::map<std::string, ViewUpscaler> MakeWays(UpscalingOptions options,
+                                             const std::filesystem::path& network) {
   std::map<std::string, ViewUpscaler> ways;
   const auto add = [&](const char* name, Upscaling method) {
     options.method = method;
@@ -58,21 +77,28 @@ std::map<std::string, ViewUpscaler> MakeWays(const ViewsCheckRequest& request,
   add("nerf_direct", Upscaling::kDirect);
   add("nerf_bicubic", Upscaling::kBicubic);
   add("nerf_patches", Upscaling::kPatches);
-  if (!request.network.empty()) {
-    options.network = request.network;
+  if (!network.empty()) {
+    options.network = network;
+  }
+  try {
     add("nerf_fsrcnn", Upscaling::kFsrcnn);
+  } catch (const InputError&) {
+    // OpenCV may lack its dnn; only who names a network has to know.
+    if (!network.empty()) {
+      throw;
+    }
   }
   return ways;
 }
 
 class Check {
  public:
-  Check(const ViewsCheckRequest& request, const ViewJob& job)
-      : job_(job),
-        renderer_(ReadModel(request.input.model)),
-        warp_(WarpFactory(job.camera)),
-        ways_(MakeWays(request, job.options.rendering)),
-        extractor_(MakeFeatureExtractor(job.options.features)) {}
+  Check(const ViewsCheckRequest& request, const PosedJob& posed)
+      : job_(posed.job),
+        renderer_(ReadModel(request.input.model, posed.poses)),
+        warp_(WarpFactory(job_.camera)),
+        ways_(MakeWays(job_.options.rendering, request.network)),
+        extractor_(MakeFeatureExtractor(job_.options.features)) {}
 
   // At the virtual poses that the radiance field offers for this image.
   void Add(const LoadedSource& sample, const ViewSource& next) {
@@ -94,7 +120,10 @@ class Check {
     const auto warp = warp_(sample.source, sample.points);
     const ViewGate gate(job_.options.gate, job_.camera, {});
     const auto accept = [&](const Rigid3& T_C_V) {
-      return gate.Judge(*renderer_, sample.source.T_N_C, T_C_V) == GateVerdict::kAccepted;
+      const GateVerdict verdict = gate.Judge(*renderer_, sample.source.T_N_C, T_C_V);
+      not_free_ += verdict == GateVerdict::kNotFree ? 1 : 0;
+      uncertain_ += verdict == GateVerdict::kUncertain ? 1 : 0;
+      return verdict == GateVerdict::kAccepted;
     };
     for (const Rigid3& T_C_V : SampleViews(job_.options.sampling, sample.source.stamp_ns, accept)) {
       const Rigid3 T_N_V = sample.source.T_N_C * T_C_V;
@@ -103,11 +132,14 @@ class Check {
                              const ViewRenderer& from,
                              const ViewRenderOptions& options) {
         const auto start = Clock::now();
+        const double cpu_s = CpuSeconds();
         const RenderedView view = way.Render(from, *job_.camera, T_N_V, options);
-        const double ms = 1e3 * SecondsSince(start);
+        const Cost cost{1e3 * SecondsSince(start),
+                        1e3 * (CpuSeconds() - cpu_s),
+                        JpegBytes(view.image, job_.options.jpeg_quality)};
         tallies_[name].Add(
             CountCorrectMatches(real, extractor_->Extract(view.image), depth, *job_.camera, T_C_V),
-            ms);
+            cost);
       };
       for (const auto& [name, way] : ways_) {
         match(name, way, *renderer_, exposure);
@@ -119,7 +151,7 @@ class Check {
                                                    depth,
                                                    *job_.camera,
                                                    sample.source.T_N_C.Inverse() * next.T_N_C),
-                               0);
+                               {0, 0, JpegBytes(next.image, job_.options.jpeg_quality)});
   }
 
   Json Report() const {
@@ -128,17 +160,21 @@ class Check {
       json[name] = ToJson(tally);
     }
     json["not_recognised"] = not_recognised_;
+    json["not_free"] = not_free_;
+    json["uncertain"] = uncertain_;
     return json;
   }
 
  private:
   const ViewJob& job_;
-  std::shared_ptr<const nerf::FieldRenderer> renderer_;
+  std::shared_ptr<const ViewRenderer> renderer_;
   ViewRendererFactory warp_;
   std::map<std::string, ViewUpscaler> ways_;
   std::unique_ptr<FeatureExtractor> extractor_;
   std::map<std::string, Tally> tallies_;
   int not_recognised_ = 0;
+  int not_free_ = 0;
+  int uncertain_ = 0;
 };
 
 // Images spread over the flight, each with the one after it.
@@ -149,7 +185,7 @@ struct Pairs {
 
 Pairs ChoosePairs(const BagReader& bag, const ViewJob& job, int count) {
   const std::vector<SourceImage> all =
-      FindSourceImages(bag, job.topics, job.sources, job.T_N_B, job.T_B_C).images;
+      FindSourceImages(bag, job.topics, job.sources, job.T_N_C).images;
   Pairs pairs;
   const std::size_t step = std::max<std::size_t>(1, all.size() / static_cast<std::size_t>(count));
   for (std::size_t i = 0;
@@ -166,8 +202,9 @@ Pairs ChoosePairs(const BagReader& bag, const ViewJob& job, int count) {
 
 Json RunViewsCheck(const ViewsCheckRequest& request) {
   const Interrupt interrupt;
-  const ViewJob job = ReadViewsInput(request.input);
-  Check check(request, job);
+  const PosedJob posed = ReadViewsInput(request.input);
+  const ViewJob& job = posed.job;
+  Check check(request, posed);
   std::optional<Progress> progress;
   if (request.input.show_progress) {
     progress.emplace("matching", "images", static_cast<std::size_t>(request.images));
@@ -191,6 +228,7 @@ Json RunViewsCheck(const ViewsCheckRequest& request) {
     progress->Finish(done);
   }
   Json json = check.Report();
+  json["alignment"] = ToJson(posed.poses);
   json["images"] = pairs.first_stamps.size();
   return json;
 }

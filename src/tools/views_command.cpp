@@ -14,6 +14,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr const char* kNothingLeft = "the same command starts afresh";
+
 void PrintFigures(const Json& json) {
   for (const auto& [key, value] : json.items()) {
     std::cout << fmt::format("{:<18} {}\n", key, value.dump());
@@ -21,32 +23,45 @@ void PrintFigures(const Json& json) {
 }
 
 void PrintMatches(const Json& json) {
-  std::cout << "per view          views  visible  matched  correct  precision  render [ms]\n";
+  std::cout
+      << "per view          views  visible  matched  correct  precision  render [ms]  CPU [ms]  "
+         "[kB]\n";
   for (const auto& [key, value] : json.items()) {
-    if (value.is_object()) {
-      std::cout << fmt::format("{:<16} {:>6} {:>8.1f} {:>8.1f} {:>8.1f} {:>10.3f} {:>12.1f}\n",
-                               key,
-                               value["views"].get<int>(),
-                               value["visible"].get<double>(),
-                               value["matched"].get<double>(),
-                               value["correct"].get<double>(),
-                               value["precision"].get<double>(),
-                               value["render_ms_median"].get<double>());
+    if (value.contains("correct")) {
+      std::cout << fmt::format(
+          "{:<16} {:>6} {:>8.1f} {:>8.1f} {:>8.1f} {:>10.3f} {:>12.1f} "
+          "{:>9.1f} {:>5.1f}\n",
+          key,
+          value["views"].get<int>(),
+          value["visible"].get<double>(),
+          value["matched"].get<double>(),
+          value["correct"].get<double>(),
+          value["precision"].get<double>(),
+          value["render_ms_median"].get<double>(),
+          value["render_cpu_ms"].get<double>(),
+          1e-3 * value["bytes"].get<double>());
     }
   }
-  std::cout << fmt::format("{} images, {} not recognised\n",
-                           json["images"].get<int>(),
-                           json["not_recognised"].get<int>());
+  std::cout << fmt::format(
+      "{} images, {} not recognised; {} poses not in free space, {} uncertain\n",
+      json["images"].get<int>(),
+      json["not_recognised"].get<int>(),
+      json["not_free"].get<int>(),
+      json["uncertain"].get<int>());
 }
 
+// `on_interrupt` tells what an interrupted run leaves.
 template <typename Run>
-Command Reporting(std::shared_ptr<std::string> json_file, Run run, void (*print)(const Json&)) {
-  return [json_file, run, print] {
+Command Reporting(std::shared_ptr<std::string> json_file,
+                  Run run,
+                  void (*print)(const Json&),
+                  const char* on_interrupt) {
+  return [json_file, run, print, on_interrupt] {
     Json json;
     try {
       json = run();
     } catch (const Interrupted& e) {
-      std::cerr << "deja_view: " << e.what() << "; the same command goes on from here\n";
+      std::cerr << "deja_view: " << e.what() << "; " << on_interrupt << "\n";
       return 130;
     }
     if (!json_file->empty()) {
@@ -65,10 +80,18 @@ void AddInputOptions(CLI::App* sub, ViewsInput* input) {
       ->required()
       ->check(CLI::ExistingFile);
   sub->add_option(
-         "--poses", input->poses, "Poses in the model's frame: TUM file, or topic of the bag")
+         "--poses",
+         input->poses,
+         "Poses in the model's frame: TUM file, vins_result of VINS-Mono, EuRoC's data.csv or ASL "
+         "folder, COLMAP model, BAG:/topic, or topic of the bag")
       ->required();
   sub->add_option("--poses-of", input->poses_of, "What the poses are of")
       ->check(CLI::IsMember({"body", "camera"}))
+      ->capture_default_str();
+  sub->add_option("--align-to",
+                  input->align_to,
+                  "Poses of the body that tell whether --poses fit, and give those of COLMAP their "
+                  "scale: auto (the VIO's in the bag, if any), off, or as --poses")
       ->capture_default_str();
   sub->add_option("--model", input->model, "Radiance field, as `deja_view nerf train` writes it")
       ->check(CLI::ExistingFile);
@@ -113,7 +136,10 @@ void AddRender(CLI::App* views, Command* command) {
       "--model hall.dvn --preset wide --out hall_views.bag");
   sub->callback([=] {
     *command = Reporting(
-        json_file, [request] { return RunViewsRender(*request); }, PrintFigures);
+        json_file,
+        [request] { return RunViewsRender(*request); },
+        PrintFigures,
+        "the same command goes on from here");
   });
 }
 
@@ -131,7 +157,7 @@ void AddMerge(CLI::App* views, Command* command) {
   sub->add_option("--json", *json_file, "File for the figures");
   sub->callback([=] {
     *command = Reporting(
-        json_file, [request] { return RunViewsMerge(*request); }, PrintFigures);
+        json_file, [request] { return RunViewsMerge(*request); }, PrintFigures, kNothingLeft);
   });
 }
 
@@ -145,12 +171,14 @@ void AddCheck(CLI::App* views, Command* command) {
   sub->add_option("--images", request->images, "Images, spread over the flight")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
-  sub->add_option("--fsrcnn", request->network, "Network to upscale with, e.g. FSRCNN_x2.pb")
+  sub->add_option("--fsrcnn",
+                  request->network,
+                  "Network to upscale with, e.g. FSRCNN_x2.pb; the preset's without")
       ->check(CLI::ExistingFile);
   sub->add_option("--json", *json_file, "File for the figures");
   sub->callback([=] {
     *command = Reporting(
-        json_file, [request] { return RunViewsCheck(*request); }, PrintMatches);
+        json_file, [request] { return RunViewsCheck(*request); }, PrintMatches, kNothingLeft);
   });
 }
 

@@ -13,10 +13,12 @@ namespace deja_view {
 struct ViewsInput {
   std::filesystem::path bag;
   std::filesystem::path camera;  ///< VINS-Mono's YAML
-  std::string poses;             ///< a TUM file, or a topic of the bag
+  std::string poses;             ///< ReadFlightPoses
   std::string poses_of = "body";
-  std::filesystem::path model;         ///< a radiance field
-  std::string preset = "paper";        ///< paper, wide or a ViewOptions file
+  std::string align_to = "auto";  ///< poses to compare with: auto (the VIO's in the bag, if any),
+                                  ///< off, or ReadFlightPoses of the body
+  std::filesystem::path model;    ///< a radiance field
+  std::string preset = "paper";   ///< paper, wide or a ViewOptions file
   std::vector<std::string> overrides;  ///< "group.key=value" on top
   std::string image_topic;             ///< empty: the camera YAML's
   std::string sources = "auto";        ///< SourceKind
@@ -47,18 +49,20 @@ struct ViewsMergeRequest {
 struct ViewsCheckRequest {
   ViewsInput input;
   int images = 40;                ///< spread over the flight
-  std::filesystem::path network;  ///< FSRCNN; empty: left out
+  std::filesystem::path network;  ///< FSRCNN; empty: the preset's
 };
 
-/// Makes the bag; returns `images, without_pose, sources, resumed, not_recognised, views, not_free,
-/// uncertain, bytes_per_view, source_psnr_db, source_ms_median, wall_s, peak_rss_mb`.
+/// Makes the bag; returns `alignment, images, without_pose, sources, resumed, not_recognised,
+/// views, not_free, uncertain, bytes_per_view, source_psnr_db, source_ms_median, wall_s,
+/// peak_rss_mb`.
 nlohmann::ordered_json RunViewsRender(const ViewsRenderRequest& request);
 
 /// Returns `views, bytes_per_view`.
 nlohmann::ordered_json RunViewsMerge(const ViewsMergeRequest& request);
 
 /// Matches real images with their virtual views (the paper's Fig. 6); returns per way of making
-/// them `views, visible, matched, correct, precision, render_ms_median`, and `images`.
+/// them `views, visible, matched, correct, precision, render_ms_median, render_cpu_ms, bytes`,
+/// means per view; and `not_recognised, not_free, uncertain, images, alignment`.
 nlohmann::ordered_json RunViewsCheck(const ViewsCheckRequest& request);
 
 }  // namespace deja_view

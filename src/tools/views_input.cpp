@@ -2,13 +2,17 @@
 
 #include "deja_view/base/check.hpp"
 #include "deja_view/io/options_yaml.hpp"
-#include "deja_view/io/tum.hpp"
 #include "deja_view/io/vins_config.hpp"
 #include "deja_view/nerf/checkpoint.hpp"
+#include "deja_view/nerf/field_renderer.hpp"
 
 #include <fstream>
+#include <iostream>
 #include <iterator>
+#include <optional>
+#include <utility>
 
+#include "pose_input.hpp"
 #include "shared_files.hpp"
 
 namespace deja_view {
@@ -21,40 +25,83 @@ fs::path FindPreset(const std::string& preset) {
                                                : fs::path(preset);
 }
 
-Trajectory ReadPoses(const ViewsInput& input) {
-  std::error_code error;
-  if (fs::exists(input.poses, error)) {
-    return ReadTum(input.poses);
+// Where a network may lie that is named by a relative path.
+std::vector<fs::path> NetworkDirectories(const fs::path& preset) {
+  return {preset.parent_path(), FindSharedFile("views_paper.yaml").parent_path()};
+}
+
+Trajectory OfCamera(PoseSource source, const Rigid3& T_B_C) {
+  return source.is_of_camera ? std::move(source.trajectory) : Transform(source.trajectory, T_B_C);
+}
+
+// The VIO's poses of the camera, where there are any.
+std::optional<Trajectory> ReadReference(const ViewsInput& input, const Rigid3& T_B_C) {
+  const std::string topic = VioTopics().keyframe_pose;
+  if (input.align_to == "off" ||
+      (input.align_to == "auto" && !BagReader(input.bag).HasTopic(topic))) {
+    return std::nullopt;
   }
-  if (input.poses.empty() || input.poses.front() != '/') {
-    ThrowInputError("{}: no such file: expected a trajectory (TUM), or a topic of the bag",
-                    input.poses);
+  return OfCamera(
+      ReadFlightPoses(input.align_to == "auto" ? topic : input.align_to, input.bag, false), T_B_C);
+}
+
+// Reads the poses of the camera into the job, in metres.
+PoseFrame ReadPoses(const ViewsInput& input, const Rigid3& T_B_C, ViewJob* job) {
+  PoseSource source = ReadFlightPoses(input.poses, input.bag, input.poses_of == "camera");
+  // What is not to be aligned is taken to be in metres.
+  const bool has_scale = source.has_scale || input.align_to == "off";
+  const Trajectory T_N_C = OfCamera(std::move(source), T_B_C);
+  const PoseFrame frame =
+      FindPoseFrame(T_N_C,
+                    has_scale,
+                    ReadReference(input, T_B_C),
+                    job->options.poses,
+                    fmt::format("{}, against the VIO (--align-to)", input.poses));
+  job->T_N_C = has_scale ? T_N_C : Transform(frame.W_N, T_N_C);
+  if (input.show_progress) {
+    std::cerr << fmt::format(
+        "poses: {}\n",
+        frame.fit ? frame.fit->Summary() : "not compared with a VIO: " + frame.not_checked);
   }
-  return ReadPoseTopic(BagReader(input.bag), input.poses);
+  return frame;
 }
 
 }  // namespace
 
-ViewJob ReadViewsInput(const ViewsInput& input) {
-  ViewJob job;
+PosedJob ReadViewsInput(const ViewsInput& input) {
+  PosedJob posed;
+  ViewJob& job = posed.job;
   const VinsConfig config = ReadVinsConfig(input.camera);
   job.bag = input.bag;
   job.camera = config.camera;
-  job.T_B_C = input.poses_of == "body" ? config.T_B_C : Rigid3::Identity();
+  job.T_B_C = config.T_B_C;
   job.topics.image = input.image_topic.empty() ? config.image_topic : input.image_topic;
   job.sources = EnumFromString<SourceKind>(input.sources).value();
-  job.T_N_B = ReadPoses(input);
-  ReadOptions(FindPreset(input.preset), &job.options);
+  const fs::path preset = FindPreset(input.preset);
+  ReadOptions(preset, &job.options);
   for (const std::string& assignment : input.overrides) {
     OverrideOption(assignment, &job.options);
   }
+  std::filesystem::path& network = job.options.rendering.network;
+  network = FindNetwork(network, NetworkDirectories(preset));
+  posed.poses = ReadPoses(input, config.T_B_C, &job);
   job.threads = input.threads;
-  return job;
+  return posed;
 }
 
-std::shared_ptr<const nerf::FieldRenderer> ReadModel(const fs::path& path) {
-  return std::make_shared<nerf::FieldRenderer>(
+nlohmann::ordered_json ToJson(const PoseFrame& frame) {
+  return frame.fit ? ToJson(*frame.fit)
+                   : nlohmann::ordered_json{{"not_checked", frame.not_checked}};
+}
+
+std::shared_ptr<const ViewRenderer> ReadModel(const fs::path& path, const PoseFrame& frame) {
+  const auto renderer = std::make_shared<nerf::FieldRenderer>(
       std::make_shared<nerf::RadianceField>(nerf::ReadField(path)));
+  const bool is_moved = frame.W_N.scale != 1 || frame.W_N.T_A_B.t.norm() != 0;
+  if (is_moved) {
+    return std::make_shared<SimilarityRenderer>(renderer, frame.W_N);
+  }
+  return renderer;
 }
 
 std::uint64_t HashFile(const fs::path& path) {

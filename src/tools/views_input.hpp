@@ -1,7 +1,7 @@
 #pragma once
 
-#include "deja_view/nerf/field_renderer.hpp"
 #include "deja_view/ros/view_bag.hpp"
+#include "deja_view/views/pose_frame.hpp"
 
 #include <memory>
 #include <string>
@@ -10,10 +10,21 @@
 
 namespace deja_view {
 
-/// The job that the input describes, but for its output, content and settings.
-ViewJob ReadViewsInput(const ViewsInput& input);
+/// A job, but for its output, content and settings, and where its poses lie.
+struct PosedJob {
+  ViewJob job;
+  PoseFrame poses;
+};
 
-std::shared_ptr<const nerf::FieldRenderer> ReadModel(const std::filesystem::path& path);
+/// What the input describes. Says on stderr how the poses fit those of the VIO, unless quiet.
+PosedJob ReadViewsInput(const ViewsInput& input);
+
+/// How the poses fit, or `{"not_checked": why}`.
+nlohmann::ordered_json ToJson(const PoseFrame& frame);
+
+/// The model, in the job's world.
+std::shared_ptr<const ViewRenderer> ReadModel(const std::filesystem::path& path,
+                                              const PoseFrame& frame);
 
 /// Hash of a file's bytes; throws InputError that names it.
 std::uint64_t HashFile(const std::filesystem::path& path);

@@ -43,17 +43,23 @@ std::string DescribeSettings(const ViewsRenderRequest& request, const ViewOption
                         request.input.model.filename().string(),
                         HashFile(request.input.model));
   }
-  return text + OptionsToYaml(options);
+  ViewOptions named = options;
+  if (options.rendering.method == Upscaling::kFsrcnn) {
+    text += fmt::format("network: {:016x}\n", HashFile(options.rendering.network));
+  }
+  // The same views wherever the package is installed.
+  named.rendering.network = options.rendering.network.filename();
+  return text + OptionsToYaml(named);
 }
 
-ViewRendererFactory MakeFactory(const ViewsRenderRequest& request, const ViewJob& job) {
+ViewRendererFactory MakeFactory(const ViewsRenderRequest& request, const PosedJob& posed) {
   if (request.renderer == "warp") {
-    return WarpFactory(job.camera);
+    return WarpFactory(posed.job.camera);
   }
   if (request.input.model.empty()) {
     ThrowInputError("--model is missing: expected a radiance field, or --renderer warp");
   }
-  return [renderer = ReadModel(request.input.model)](
+  return [renderer = ReadModel(request.input.model, posed.poses)](
              const ViewSource&, const std::vector<RangeSample>&) { return renderer; };
 }
 
@@ -89,7 +95,8 @@ double PerView(const ViewReport& report) {
 Json RunViewsRender(const ViewsRenderRequest& request) {
   const auto start = Clock::now();
   const Interrupt interrupt;
-  ViewJob job = ReadViewsInput(request.input);
+  PosedJob posed = ReadViewsInput(request.input);
+  ViewJob& job = posed.job;
   job.out = request.out;
   job.shard = ParseShard(request.shard);
   job.content = ParseContent(request);
@@ -102,11 +109,12 @@ Json RunViewsRender(const ViewsRenderRequest& request) {
   job.settings = DescribeSettings(request, job.options);
   SourceProgress progress(request.input.show_progress);
   const ViewReport report =
-      RenderViews(job, MakeFactory(request, job), [&](std::size_t done, std::size_t total) {
+      RenderViews(job, MakeFactory(request, posed), [&](std::size_t done, std::size_t total) {
         progress.Update(done, total);
         interrupt.Check();
       });
   Json json;
+  json["alignment"] = ToJson(posed.poses);
   json["images"] = report.images;
   json["without_pose"] = report.without_pose;
   json["sources"] = report.sources;
@@ -119,6 +127,7 @@ Json RunViewsRender(const ViewsRenderRequest& request) {
   json["source_psnr_db"] = Mean(report.source_psnr_db);
   json["source_ms_median"] = 1e3 * Median(report.source_s);
   json["wall_s"] = SecondsSince(start);
+  json["cpu_s"] = CpuSeconds();
   json["peak_rss_mb"] = PeakRss_mb();
   return json;
 }

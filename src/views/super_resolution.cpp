@@ -2,6 +2,7 @@
 
 #include "deja_view/base/check.hpp"
 
+#include <algorithm>
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
@@ -10,25 +11,57 @@ namespace deja_view::internal {
 
 #ifdef DEJA_VIEW_HAVE_DNN
 
-SuperResolution::SuperResolution(const std::filesystem::path& path) : path_(path) {
+namespace {
+
+// Pixels by which an image is continued: a convolution takes what is beyond for black.
+constexpr int kRim = 8;
+
+cv::dnn::Net ReadNetwork(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
     ThrowInputError("{}: no such file: expected a network, .pb or .onnx", path.string());
   }
+  cv::dnn::Net network;
   try {
-    network_ = cv::dnn::readNet(path.string());
+    network = cv::dnn::readNet(path.string());
   } catch (const cv::Exception& e) {
     ThrowInputError("{}: can't be read as a network, .pb or .onnx: {}", path.string(), e.what());
   }
-  network_.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
+  network.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
+  return network;
 }
 
-cv::Mat SuperResolution::Double(const cv::Mat& half, cv::Size size) {
+}  // namespace
+
+SuperResolution::SuperResolution(const std::filesystem::path& path)
+    : path_(path), idle_{ReadNetwork(path)} {}
+
+cv::dnn::Net SuperResolution::Borrow() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (!idle_.empty()) {
+      cv::dnn::Net network = idle_.back();
+      idle_.pop_back();
+      return network;
+    }
+  }
+  return ReadNetwork(path_);
+}
+
+void SuperResolution::GiveBack(const cv::dnn::Net& network) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  idle_.push_back(network);
+}
+
+cv::Mat SuperResolution::Double(const cv::Mat& image, cv::Size size) {
+  cv::Mat half;
+  cv::copyMakeBorder(image, half, kRim, kRim, kRim, kRim, cv::BORDER_REPLICATE);
   std::vector<cv::Mat> outputs;
   try {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    network_.setInput(cv::dnn::blobFromImage(half, 1.0 / 255.0));
-    cv::dnn::imagesFromBlob(network_.forward(), outputs);
+    cv::dnn::Net network = Borrow();
+    network.setInput(cv::dnn::blobFromImage(half, 1.0 / 255.0));
+    cv::dnn::imagesFromBlob(network.forward(), outputs);
+    GiveBack(network);
   } catch (const cv::Exception& e) {
     ThrowInputError("{}: the network fails on an image of {} x {} px: {}",
                     path_.string(),
@@ -45,15 +78,16 @@ cv::Mat SuperResolution::Double(const cv::Mat& half, cv::Size size) {
                     half.cols,
                     half.rows);
   }
-  cv::Mat image;
-  outputs[0].convertTo(image, CV_8UC1, 255.0);
+  const cv::Size doubled(2 * image.cols, 2 * image.rows);
+  cv::Mat grey;
+  outputs[0](cv::Rect({2 * kRim, 2 * kRim}, doubled)).convertTo(grey, CV_8UC1, 255.0);
   cv::Mat result;
-  cv::copyMakeBorder(image,
+  cv::copyMakeBorder(grey,
                      result,
                      0,
-                     std::max(0, size.height - image.rows),
+                     std::max(0, size.height - grey.rows),
                      0,
-                     std::max(0, size.width - image.cols),
+                     std::max(0, size.width - grey.cols),
                      cv::BORDER_REPLICATE);
   return result(cv::Rect({}, size)).clone();
 }

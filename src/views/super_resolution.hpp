@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <mutex>
+#include <vector>
 
 #include <opencv2/core/mat.hpp>
 #ifdef DEJA_VIEW_HAVE_DNN
@@ -11,7 +12,7 @@
 namespace deja_view::internal {
 
 /// A network that doubles grey images, e.g. FSRCNN_x2.pb of OpenCV's dnn_superres: one channel of
-/// values from 0 to 1, in and out. Runs one image at a time.
+/// values from 0 to 1, in and out. Safe to use from several threads.
 class SuperResolution {
  public:
   /// Throws InputError that names the file when it can't be read as a network, and where OpenCV has
@@ -25,8 +26,11 @@ class SuperResolution {
  private:
   std::filesystem::path path_;
 #ifdef DEJA_VIEW_HAVE_DNN
-  std::mutex mutex_;  // a network holds the state of its run
-  cv::dnn::Net network_;
+  cv::dnn::Net Borrow();
+  void GiveBack(const cv::dnn::Net& network);
+
+  std::mutex mutex_;
+  std::vector<cv::dnn::Net> idle_;  // a network holds the state of its run: one per thread
 #endif
 };
 

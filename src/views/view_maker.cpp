@@ -29,6 +29,7 @@ void Append(const char* group,
 
 std::vector<std::string> ViewOptions::Validate() const {
   std::vector<std::string> errors;
+  Append("poses", poses.Validate(), &errors);
   Append("sources", sources.Validate(), &errors);
   Append("sampling", sampling.Validate(), &errors);
   Append("gate", gate.Validate(), &errors);

@@ -134,6 +134,20 @@ RenderedView ViewUpscaler::Render(const ViewRenderer& renderer,
   return view;
 }
 
+std::filesystem::path FindNetwork(const std::filesystem::path& network,
+                                  const std::vector<std::filesystem::path>& directories) {
+  std::error_code error;
+  if (std::filesystem::is_regular_file(network, error)) {
+    return network;
+  }
+  for (const std::filesystem::path& directory : directories) {
+    if (std::filesystem::is_regular_file(directory / network, error)) {
+      return directory / network;
+    }
+  }
+  return network;
+}
+
 cv::Mat ResizeFromHalf(const cv::Mat& half, cv::Size size, int interpolation) {
   // Pixel x of the whole image lies at (x + 0.5) / 2 - 0.5 of the half.
   const cv::Matx23d to_half(0.5, 0, -0.25, 0, 0.5, -0.25);

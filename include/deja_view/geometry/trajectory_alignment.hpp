@@ -49,10 +49,15 @@ RobustAlignment AlignPointsRobustly(const std::vector<Eigen::Vector3d>& p_A,
                                     const std::vector<Eigen::Vector3d>& p_B,
                                     const AlignmentOptions& options);
 
+/// Why two trajectories can't be aligned, whatever the fit: fewer than 10 common stamps, or
+/// positions on a line so that a rotation about it stays open. Empty when they can.
+std::string AlignmentObstacle(const Trajectory& T_A_X,
+                              const Trajectory& T_B_X,
+                              const AlignmentOptions& options);
+
 /// Aligns two trajectories of the same thing (body or camera), T_A_X and T_B_X, at the stamps of
-/// the one with fewer poses. Throws InputError that begins with `what` where fewer than 10 stamps
-/// are common, where the positions lie on a line so that a rotation about it stays open, and, with
-/// the residuals, where the fit is worse than `options` allow.
+/// the one with fewer poses. Throws InputError that begins with `what` where there is an
+/// AlignmentObstacle and, with the residuals, where the fit is worse than `options` allow.
 RobustAlignment AlignTrajectories(const Trajectory& T_A_X,
                                   const Trajectory& T_B_X,
                                   const AlignmentOptions& options,

@@ -29,7 +29,8 @@ namespace deja_view {
 
 /// `deja_view views render` while a bag plays: images and poses in, virtual frames out. Parameters:
 ///   ~config_file      VINS-Mono's camera YAML, required
-///   ~preset_file      ViewOptions; empty: defaults
+///   ~preset_file      ViewOptions, relative names of networks are looked for beside it; empty:
+///                     defaults
 ///   ~model_directory  where models are, required
 ///   ~model            name of the model to start with; empty: wait for ~load_model
 ///   ~content          image, features or both

@@ -36,8 +36,8 @@ struct ViewJob {
   VioTopics topics;
   SourceKind sources = SourceKind::kAuto;
   std::shared_ptr<const Camera> camera;
-  Rigid3 T_B_C;
-  Trajectory T_N_B;
+  Rigid3 T_B_C;      ///< of the VIO, whose tracked points a renderer may want
+  Trajectory T_N_C;  ///< [m]
   ViewOptions options;
   ViewContent content;
   std::string settings;  ///< all that decides what the views look like, as text; goes to the bag
@@ -58,19 +58,20 @@ struct ViewReport {
   std::int64_t not_free = 0;
   std::int64_t uncertain = 0;
   std::int64_t bytes = 0;              ///< of all VirtualFrame messages
-  std::vector<double> source_s;        ///< time per source
+  std::vector<double> source_s;        ///< time per source, on one thread of several
   std::vector<double> source_psnr_db;  ///< renders at the sources' own poses, small
 };
 
-/// The renderer for one source image; `points` are the VIO's, projected to it.
+/// The renderer for one source image; `points` are the VIO's, projected to it. Called by several
+/// threads.
 using ViewRendererFactory = std::function<std::shared_ptr<const ViewRenderer>(
     const ViewSource& source, const std::vector<RangeSample>& points)>;
 
 /// Renders the views of a bag's images and writes the new bag: all messages of the old one, byte
 /// for byte, and the views right behind their source images, 1 ns apart. What is finished is kept
 /// in the directory `out`.work until the bag is whole. `on_progress(done, total)` is called after
-/// each source and may throw to interrupt. The same job gives the same file, however often it was
-/// interrupted.
+/// each source, by one thread at a time, and may throw to interrupt. The same job gives the same
+/// file, however often it was interrupted.
 ///
 /// Throws InputError for bad input, and when no source image at all is recognised: the poses are
 /// then not in the model's frame.

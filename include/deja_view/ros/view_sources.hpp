@@ -44,18 +44,12 @@ struct SourceImages {
   std::int64_t without_pose = 0;
 };
 
-/// Reads a trajectory from a topic of nav_msgs/Odometry or geometry_msgs/PoseStamped, by the
-/// messages' stamps; of messages whose stamps do not increase the first is kept. Throws InputError
-/// for a topic that the bag lacks, of another type, or without any pose.
-Trajectory ReadPoseTopic(const BagReader& bag, const std::string& topic);
-
 /// Finds the images; their poses are interpolated over at most `max_gap_ns`. Throws InputError when
 /// the bag lacks a topic that is needed, and when no image has a pose.
 SourceImages FindSourceImages(const BagReader& bag,
                               const VioTopics& topics,
                               SourceKind kind,
-                              const Trajectory& T_N_B,
-                              const Rigid3& T_B_C,
+                              const Trajectory& T_N_C,
                               std::int64_t max_gap_ns = 100'000'000);
 
 /// Those that get views (SelectSources), in order.

@@ -3,6 +3,7 @@
 #include "deja_view/features/feature_extractor.hpp"
 #include "deja_view/features/feature_options.hpp"
 #include "deja_view/views/exposure_fit.hpp"
+#include "deja_view/views/pose_frame.hpp"
 #include "deja_view/views/view_gate.hpp"
 #include "deja_view/views/view_sampling.hpp"
 #include "deja_view/views/view_upscaling.hpp"
@@ -31,6 +32,7 @@ struct EnumNames<ViewExposure> {
 
 /// All that decides which views an image gets, and what they look like: a preset in config/.
 struct ViewOptions {
+  PoseFitOptions poses;
   SourceOptions sources;
   SamplingOptions sampling;
   GateOptions gate;
@@ -46,6 +48,7 @@ struct ViewOptions {
 
   template <typename Visitor>
   void Visit(Visitor& v) {
+    v("poses", poses);
     v("sources", sources);
     v("sampling", sampling);
     v("gate", gate);

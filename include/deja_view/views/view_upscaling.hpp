@@ -32,10 +32,12 @@ struct EnumNames<Upscaling> {
 /// Options of ViewUpscaler.
 struct UpscalingOptions {
   Upscaling method = Upscaling::kDirect;
-  std::filesystem::path network;  ///< fsrcnn: network for a factor of 2, TensorFlow (.pb) or ONNX
-  int corner_threshold = 5;       ///< patches: of FAST, grey levels; blurred corners are weak
-  int corner_margin_px = 8;       ///< patches: rendered around a corner
-  int tile_px = 16;               ///< patches: side of the tiles
+  /// fsrcnn: network for a factor of 2, TensorFlow (.pb) or ONNX. The programs look for a relative
+  /// path beside the preset and among the files of the package, too (FindNetwork).
+  std::filesystem::path network = "super_resolution/fsrcnn_x2.onnx";
+  int corner_threshold = 5;  ///< patches: of FAST, grey levels; blurred corners are weak
+  int corner_margin_px = 8;  ///< patches: rendered around a corner
+  int tile_px = 16;          ///< patches: side of the tiles
 
   /// Violations, one line each.
   std::vector<std::string> Validate() const;
@@ -73,6 +75,11 @@ class ViewUpscaler {
   UpscalingOptions options_;
   std::unique_ptr<Network> network_;
 };
+
+/// `network`, or, where there is no such file, the first of that name in `directories`; `network`
+/// itself where there is none at all.
+std::filesystem::path FindNetwork(const std::filesystem::path& network,
+                                  const std::vector<std::filesystem::path>& directories);
 
 /// Doubles an image (CV_8UC1 or CV_32FC1) to `size` with pixel centres where Camera::Scaled(0.5)
 /// puts them; `interpolation` is OpenCV's.

@@ -48,8 +48,8 @@ class ViewBagTest : public BagTest {
     job_.options.fit_scale = 0.5;
     job_.settings = "room\n";
     for (int i = 0; i < kImages; ++i) {
-      job_.T_N_B.stamps_ns.push_back(Stamp(i));
-      job_.T_N_B.poses.push_back(Pose(i));
+      job_.T_N_C.stamps_ns.push_back(Stamp(i));
+      job_.T_N_C.poses.push_back(Pose(i));
     }
   }
 
@@ -172,12 +172,12 @@ TEST_F(ViewBagTest, AllImagesOrAFewOfThem) {
   const ViewReport report = Run(job_);
   EXPECT_EQ(report.images, kImages);
   EXPECT_EQ(report.sources, 3);  // 0.41 m apart
-  job_.T_N_B.stamps_ns.resize(2);
-  job_.T_N_B.poses.resize(2);
+  job_.T_N_C.stamps_ns.resize(2);
+  job_.T_N_C.poses.resize(2);
   const ViewReport few = Run(job_);
   EXPECT_EQ(few.images, 2);
   EXPECT_EQ(few.without_pose, kImages - 2);
-  job_.T_N_B.stamps_ns = {1, 2};
+  job_.T_N_C.stamps_ns = {1, 2};
   EXPECT_THAT(ErrorOf([&] { Run(job_); }), HasSubstr("none of the 6 images"));
 }
 
@@ -208,7 +208,7 @@ TEST_F(ViewBagTest, StartsAnewWithOtherSettingsOrOnRequest) {
     return Run(job_).resumed;
   };
   EXPECT_EQ(resumed_after([this] { job_.settings = "other\n"; }), 0);
-  EXPECT_EQ(resumed_after([this] { job_.T_N_B.poses[0].t.x() += 1e-9; }), 0);
+  EXPECT_EQ(resumed_after([this] { job_.T_N_C.poses[0].t.x() += 1e-9; }), 0);
   EXPECT_EQ(resumed_after([this] { job_.content.depth = true; }), 0);
   EXPECT_EQ(resumed_after([this] { job_.resume = false; }), 0);
   job_.resume = true;
@@ -254,7 +254,7 @@ TEST_F(ViewBagTest, SharesMergeToTheSameFile) {
 }
 
 TEST_F(ViewBagTest, RefusesPosesOfAnotherFrame) {
-  for (Rigid3& pose : job_.T_N_B.poses) {
+  for (Rigid3& pose : job_.T_N_C.poses) {
     pose.t.y() += 1.5;
   }
   EXPECT_THAT(ErrorOf([&] { Run(job_); }),
@@ -302,15 +302,6 @@ TEST_F(ViewBagTest, NamesAnImageOfAnotherSize) {
   job_.camera = camera_->Scaled(0.5);
   EXPECT_THAT(ErrorOf([&] { Run(job_); }),
               ::testing::AllOf(HasSubstr("160 x 120"), HasSubstr("80 x 60")));
-}
-
-TEST_F(ViewBagTest, ReadsPosesOfATopic) {
-  const BagReader bag(job_.bag);
-  const Trajectory poses = ReadPoseTopic(bag, VioTopics().keyframe_pose);
-  ASSERT_EQ(poses.size(), 3U);
-  EXPECT_EQ(poses.stamps_ns[1], Stamp(2));
-  EXPECT_LT((poses.poses[1].t - Pose(2).t).norm(), 1e-12);
-  EXPECT_THAT(ErrorOf([&] { ReadPoseTopic(bag, VioTopics().image); }), HasSubstr("PoseStamped"));
 }
 
 }  // namespace

@@ -105,7 +105,7 @@ TEST(SuperResolutionTest, RefusesANetworkForAnotherFactor) {
     FAIL() << "no InputError";
   } catch (const InputError& e) {
     EXPECT_THAT(e.what(), ::testing::HasSubstr(path));
-    EXPECT_THAT(e.what(), ::testing::HasSubstr("120 x 90 px of 40 x 30: expected twice"));
+    EXPECT_THAT(e.what(), ::testing::HasSubstr("168 x 138 px of 56 x 46: expected twice"));
   }
 }
 

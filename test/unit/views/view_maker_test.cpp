@@ -117,6 +117,7 @@ TEST(ViewMakerTest, OptionsNameTheirGroup) {
   ViewOptions options;
   options.sampling.views = -1;
   options.rendering.method = Upscaling::kFsrcnn;
+  options.rendering.network.clear();
   options.jpeg_quality = 0;
   EXPECT_THAT(options.Validate(),
               ::testing::ElementsAre(::testing::HasSubstr("sampling.views is -1"),

@@ -119,6 +119,8 @@ TEST(ViewUpscalingTest, AFlatImageHasNoPatches) {
 TEST(ViewUpscalingTest, NamesANetworkThatCannotBeRead) {
   UpscalingOptions options;
   options.method = Upscaling::kFsrcnn;
+  EXPECT_TRUE(options.Validate().empty());
+  options.network.clear();
   EXPECT_THAT(options.Validate(), ::testing::ElementsAre(HasSubstr("network is empty")));
   const auto error_of = [&options](const std::string& path) -> std::string {
     options.network = path;
@@ -133,6 +135,16 @@ TEST(ViewUpscalingTest, NamesANetworkThatCannotBeRead) {
   const std::string path = ::testing::TempDir() + "deja_view_no_network.onnx";
   std::ofstream(path) << "not a network";
   EXPECT_THAT(error_of(path), HasSubstr(path));
+}
+
+TEST(ViewUpscalingTest, LooksForANetworkInTheGivenDirectories) {
+  const std::filesystem::path directory = ::testing::TempDir();
+  const std::string name = "deja_view_some_network.onnx";
+  std::ofstream(directory / name) << "network";
+  EXPECT_EQ(FindNetwork(directory / name, {}), directory / name);
+  EXPECT_EQ(FindNetwork(name, {"/nowhere", directory}), directory / name);
+  EXPECT_EQ(FindNetwork(name, {"/nowhere"}), name);
+  std::filesystem::remove(directory / name);
 }
 
 }  // namespace
