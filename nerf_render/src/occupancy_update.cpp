@@ -10,6 +10,7 @@ namespace deja_view::nerf::internal {
 namespace {
 
 constexpr float kDecay = 0.9F;
+constexpr double kShareOfMean = 0.5;
 constexpr double kCarvedShare = 0.96;  ///< of the way to a depth point is surely empty
 
 bool Sees(const TrainingView& view, const Eigen::Vector3d& p_N, double radius) {
@@ -117,7 +118,7 @@ void OccupancyUpdate::Run(const Kernels& kernels,
   OccupancyGrid& grid = field->occupancy;
   const Eigen::Vector3f extent = field->Extent();
   const float cell = 1 / grid.scale();
-  // Not above the mean, so that what has hardly begun to grow is kept.
+  // Not near the mean, so that what has hardly begun to grow is kept.
   double sum = 0;
   std::size_t open = 0;
   for (std::size_t i = 0; i < density_.size(); ++i) {
@@ -126,9 +127,9 @@ void OccupancyUpdate::Run(const Kernels& kernels,
       sum += static_cast<double>(density_[i]);
     }
   }
-  const float threshold =
-      std::min(options.occupancy_threshold / options.march.min_step,
-               static_cast<float>(sum / static_cast<double>(std::max<std::size_t>(1, open))));
+  const float threshold = std::min(
+      options.occupancy_threshold / options.march.min_step,
+      static_cast<float>(kShareOfMean * sum / static_cast<double>(std::max<std::size_t>(1, open))));
   const auto stride = static_cast<std::size_t>(field->density.row_stride());
   const auto out_stride = static_cast<std::size_t>(field->density.output_stride());
   ParallelFor(

@@ -8,7 +8,7 @@
 namespace deja_view::nerf::internal {
 
 /// Keeps a field's occupancy grid: a cell is occupied while a decaying maximum of its density, seen
-/// at random places within it, could dim a ray by one percent in a step.
+/// at random places within it, could dim a ray by the threshold in a step.
 class OccupancyUpdate {
  public:
   /// Marks the blocks that no view can see as empty for ever: nothing there is ever trained.

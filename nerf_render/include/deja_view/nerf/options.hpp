@@ -104,8 +104,7 @@ struct TrainOptions {
   float pose_learning_rate = 1e-3F;  ///< [rad] and, times the box's longest side, [m]
   int warmup_steps = 128;            ///< short steps before empty space is skipped
   int occupancy_interval = 16;       ///< steps between updates of the occupancy grid
-  float occupancy_threshold =
-      0.01F;  ///< share of the light that a cell must take per shortest step
+  float occupancy_threshold = 0.1F;  ///< share of the light that a cell must take per shortest step
 
   template <typename Visitor>
   void Visit(Visitor& v) {
