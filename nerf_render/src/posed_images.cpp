@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -55,12 +56,21 @@ std::vector<DepthPoint> ScaledPoints(const PosedImage& image,
   std::vector<DepthPoint> points = image.points;
   if (!image.depth.path.empty() && options.depth_step_px > 0) {
     const cv::Mat depth = ReadDepthMap(image);
+    const Camera& depth_camera = *DepthCamera(image);
     const int step = options.depth_step_px;
     for (int y = step / 2; y < depth.rows; y += step) {
       for (int x = step / 2; x < depth.cols; x += step) {
         const float range = depth.at<float>(y, x);
-        if (range > 0) {
-          points.push_back({static_cast<float>(x), static_cast<float>(y), range});
+        if (!(range > 0)) {
+          continue;
+        }
+        // As it is, to the last bit, where one camera saw both.
+        std::optional<Eigen::Vector2d> pixel(std::in_place, x, y);
+        if (image.depth.camera) {
+          pixel = image.camera->Project(depth_camera.Unproject({x, y}));
+        }
+        if (pixel && image.camera->IsInImage(*pixel)) {
+          points.push_back({static_cast<float>(pixel->x()), static_cast<float>(pixel->y()), range});
         }
       }
     }
@@ -147,8 +157,12 @@ int CountChannels(const std::vector<PosedImage>& images) {
   return 1;
 }
 
+const std::shared_ptr<const Camera>& DepthCamera(const PosedImage& image) {
+  return image.depth.camera ? image.depth.camera : image.camera;
+}
+
 cv::Mat ReadDepthMap(const PosedImage& image) {
-  const Camera& camera = *image.camera;
+  const Camera& camera = *DepthCamera(image);
   const cv::Mat stored = cv::imread(image.depth.path.string(), cv::IMREAD_UNCHANGED);
   if (stored.type() != CV_16UC1 || stored.cols != camera.width() ||
       stored.rows != camera.height()) {

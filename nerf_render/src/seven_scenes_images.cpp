@@ -102,7 +102,9 @@ std::map<std::int64_t, FrameFiles> ListFrames(const fs::path& directory) {
 
 }  // namespace
 
-std::vector<PosedImage> ReadSevenScenes(const fs::path& directory, bool skip_missing) {
+std::vector<PosedImage> ReadSevenScenes(const fs::path& directory,
+                                        bool skip_missing,
+                                        std::shared_ptr<const Camera> color_camera) {
   constexpr std::int64_t kFirst_ns = 1'000'000'000'000;
   constexpr double kPeriod_ns = 1e9 / 30;
   std::vector<PosedImage> images;
@@ -131,7 +133,8 @@ std::vector<PosedImage> ReadSevenScenes(const fs::path& directory, bool skip_mis
   }
   const auto camera = ReadCamera(directory, images.front().path);
   for (PosedImage& image : images) {
-    image.camera = camera;
+    image.camera = color_camera ? color_camera : camera;
+    image.depth.camera = color_camera ? camera : nullptr;
   }
   return images;
 }

@@ -76,7 +76,11 @@ void NerfEvaluation::CompareDepth(const nerf::PosedImage& image, const RenderedV
   if (image.depth.path.empty()) {
     return;
   }
-  const auto errors = nerf::RelativeDepthErrors(nerf::ReadDepthMap(image), rendered.depth);
+  cv::Mat depth = rendered.depth;
+  if (image.depth.camera) {
+    depth = renderer_.Render(*image.depth.camera, image.T_N_C, {1, 0, load_options_.threads}).depth;
+  }
+  const auto errors = nerf::RelativeDepthErrors(nerf::ReadDepthMap(image), depth);
   depth_errors_.insert(depth_errors_.end(), errors.begin(), errors.end());
   ++depth_views_;
 }

@@ -38,6 +38,7 @@ class NerfEvaluation {
  private:
   nerf::TrainingView Load(const nerf::PosedImage& image) const;
   RenderedView Render(const nerf::TrainingView& real);
+  /// `rendered` by the image's camera; another depth camera's view is rendered here.
   void CompareDepth(const nerf::PosedImage& image, const RenderedView& rendered);
 
   const nerf::FieldRenderer& renderer_;

@@ -32,8 +32,11 @@ void CheckSources(const NerfInput& input) {
   if (needs_poses && (input.camera.empty() || (input.poses.empty() && input.pose_topic.empty()))) {
     ThrowInputError("--images and --bag need --camera and --poses or --pose-topic");
   }
-  if (!needs_poses && !(input.camera.empty() && input.poses.empty() && input.pose_topic.empty())) {
-    ThrowInputError("--camera, --poses and --pose-topic go with --images or --bag only");
+  if (!needs_poses && !(input.poses.empty() && input.pose_topic.empty())) {
+    ThrowInputError("--poses and --pose-topic go with --images or --bag only");
+  }
+  if (!needs_poses && input.seven_scenes.empty() && !input.camera.empty()) {
+    ThrowInputError("--camera goes with --images, --bag or --seven-scenes only");
   }
 }
 
@@ -66,7 +69,10 @@ Images ReadImages(const NerfInput& input) {
     return nerf::ReadColmapImages(input.colmap, input.images, input.skip_missing);
   }
   if (!input.seven_scenes.empty()) {
-    return nerf::ReadSevenScenes(input.seven_scenes, input.skip_missing);
+    return nerf::ReadSevenScenes(
+        input.seven_scenes,
+        input.skip_missing,
+        input.camera.empty() ? nullptr : ReadVinsConfig(input.camera).camera);
   }
   return ReadTrajectoryInput(input);
 }

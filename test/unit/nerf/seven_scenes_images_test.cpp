@@ -1,5 +1,9 @@
 #include "deja_view/base/check.hpp"
+#include "deja_view/camera/pinhole_camera.hpp"
 #include "deja_view/nerf/image_readers.hpp"
+
+#include <cmath>
+#include <memory>
 
 #include "image_files.hpp"
 #include <gmock/gmock.h>
@@ -35,6 +39,27 @@ TEST_F(SevenScenesTest, ReadsFrames) {
   EXPECT_LT((images[1].T_N_C * Eigen::Vector3d(0, 1, 0) - Eigen::Vector3d(1, 2, 4)).norm(), 1e-12);
   EXPECT_NEAR(images[0].camera->FocalLength(), 58.5, 1e-12);
   EXPECT_EQ(images[0].camera->height(), 12);
+}
+
+TEST_F(SevenScenesTest, TheColorCameraMayDifferFromTheDepthSensor) {
+  PinholeParameters p;
+  p.width = 16;
+  p.height = 12;
+  p.fx = p.fy = 50;
+  p.cx = 7;
+  p.cy = 5;
+  const auto color_camera = std::make_shared<PinholeCamera>(p);
+  const auto images = ReadSevenScenes(directory_, false, color_camera);
+  EXPECT_EQ(images[1].camera, color_camera);
+  EXPECT_NEAR(DepthCamera(images[1])->FocalLength(), 58.5, 1e-12);
+  LoadOptions options;
+  options.depth_step_px = 4;
+  const TrainingView view = LoadViews({images[1]}, options).front();
+  ASSERT_EQ(view.points.size(), 12U);  // of 4 x 3, all seen
+  const DepthPoint& point = view.points.front();
+  EXPECT_NEAR(point.u, 7 + 50 * (2 - 8) / 58.5, 1e-4);
+  EXPECT_NEAR(point.v, 5 + 50 * (2 - 6) / 58.5, 1e-4);
+  EXPECT_NEAR(point.range, 1.5 * std::hypot(1, 6 / 58.5, 4 / 58.5), 1e-4);
 }
 
 TEST_F(SevenScenesTest, MissingFilesAreErrors) {

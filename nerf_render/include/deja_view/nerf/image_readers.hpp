@@ -56,9 +56,11 @@ std::vector<PosedImage> ReadTransforms(const std::filesystem::path& file,
 
 /// A folder of 7-Scenes: camera-intrinsics.txt (3 x 3), frame-XXXXXX.color.png or .jpg, .pose.txt
 /// (4 x 4, camera to world) and, where it is there, .depth.png [mm]. Stamps are those of 30 frames
-/// per second.
+/// per second. The original data sets' intrinsics and poses are the depth sensor's: `color_camera`,
+/// if given, took the images, from the same place.
 std::vector<PosedImage> ReadSevenScenes(const std::filesystem::path& directory,
-                                        bool skip_missing = false);
+                                        bool skip_missing = false,
+                                        std::shared_ptr<const Camera> color_camera = nullptr);
 
 /// A keyframe of a VIO: what it tracked and where it believes to have been.
 struct VioKeyframe {

@@ -17,8 +17,9 @@ namespace deja_view::nerf {
 
 /// A 16-bit image of distances along the optical axis; 0 and 65535: unknown.
 struct DepthMapFile {
-  std::filesystem::path path;  ///< empty: there is none
-  double unit_m = 1e-3;        ///< [m]
+  std::filesystem::path path;            ///< empty: there is none
+  double unit_m = 1e-3;                  ///< [m]
+  std::shared_ptr<const Camera> camera;  ///< at the image camera's pose; null: the image's own
 };
 
 /// An image with its camera, at the file's own size, and its pose.
@@ -54,9 +55,12 @@ std::vector<TrainingView> LoadViews(const std::vector<PosedImage>& images,
 /// are stored with three equal channels are grey.
 int CountChannels(const std::vector<PosedImage>& images);
 
-/// A camera's pixels and the distance of what they see, CV_32FC1 of the camera's size: [m] along
+/// The camera of the image's depth map.
+const std::shared_ptr<const Camera>& DepthCamera(const PosedImage& image);
+
+/// The depth camera's pixels and the distance of what they see, CV_32FC1 of its size: [m] along
 /// the unit ray, 0 where it is unknown. Throws InputError that names a file that is no 16-bit image
-/// of the size of the image's camera.
+/// of that size.
 cv::Mat ReadDepthMap(const PosedImage& image);
 
 /// Leaves out points that lie outside the box of the middle 98 % of all on each axis of N, widened
