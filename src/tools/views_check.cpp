@@ -93,11 +93,15 @@ std::map<std::string, ViewUpscaler> MakeWays(UpscalingOptions options,
 
 class Check {
  public:
-  Check(const ViewsCheckRequest& request, const PosedJob& posed)
+  // `flown_N`: positions of the camera along the flight.
+  Check(const ViewsCheckRequest& request,
+        const PosedJob& posed,
+        const std::vector<Eigen::Vector3d>& flown_N)
       : job_(posed.job),
         renderer_(ReadModel(request.input.model, posed.poses)),
         warp_(WarpFactory(job_.camera)),
         ways_(MakeWays(job_.options.rendering, request.network)),
+        gate_(job_.options.gate, job_.camera, flown_N),
         extractor_(MakeFeatureExtractor(job_.options.features)) {}
 
   // At the virtual poses that the radiance field offers for this image.
@@ -118,9 +122,8 @@ class Check {
     const ViewRenderOptions exposure{
         static_cast<float>(fit.gain), static_cast<float>(fit.bias), job_.threads};
     const auto warp = warp_(sample.source, sample.points);
-    const ViewGate gate(job_.options.gate, job_.camera, {});
     const auto accept = [&](const Rigid3& T_C_V) {
-      const GateVerdict verdict = gate.Judge(*renderer_, sample.source.T_N_C, T_C_V);
+      const GateVerdict verdict = gate_.Judge(*renderer_, sample.source.T_N_C, T_C_V);
       not_free_ += verdict == GateVerdict::kNotFree ? 1 : 0;
       uncertain_ += verdict == GateVerdict::kUncertain ? 1 : 0;
       return verdict == GateVerdict::kAccepted;
@@ -170,6 +173,7 @@ class Check {
   std::shared_ptr<const ViewRenderer> renderer_;
   ViewRendererFactory warp_;
   std::map<std::string, ViewUpscaler> ways_;
+  ViewGate gate_;
   std::unique_ptr<FeatureExtractor> extractor_;
   std::map<std::string, Tally> tallies_;
   int not_recognised_ = 0;
@@ -183,9 +187,7 @@ struct Pairs {
   std::set<std::int64_t> first_stamps;
 };
 
-Pairs ChoosePairs(const BagReader& bag, const ViewJob& job, int count) {
-  const std::vector<SourceImage> all =
-      FindSourceImages(bag, job.topics, job.sources, job.T_N_C).images;
+Pairs ChoosePairs(const std::vector<SourceImage>& all, int count) {
   Pairs pairs;
   const std::size_t step = std::max<std::size_t>(1, all.size() / static_cast<std::size_t>(count));
   for (std::size_t i = 0;
@@ -198,19 +200,29 @@ Pairs ChoosePairs(const BagReader& bag, const ViewJob& job, int count) {
   return pairs;
 }
 
+std::vector<Eigen::Vector3d> Positions(const std::vector<SourceImage>& images) {
+  std::vector<Eigen::Vector3d> positions;
+  for (const SourceImage& image : images) {
+    positions.push_back(image.T_N_C.t);
+  }
+  return positions;
+}
+
 }  // namespace
 
 Json RunViewsCheck(const ViewsCheckRequest& request) {
   const Interrupt interrupt;
   const PosedJob posed = ReadViewsInput(request.input);
   const ViewJob& job = posed.job;
-  Check check(request, posed);
+  const BagReader bag(job.bag);
+  const std::vector<SourceImage> images =
+      FindSourceImages(bag, job.topics, job.sources, job.T_N_C).images;
+  Check check(request, posed, Positions(images));
   std::optional<Progress> progress;
   if (request.input.show_progress) {
     progress.emplace("matching", "images", static_cast<std::size_t>(request.images));
   }
-  const BagReader bag(job.bag);
-  const Pairs pairs = ChoosePairs(bag, job, request.images);
+  const Pairs pairs = ChoosePairs(images, request.images);
   std::size_t done = 0;
   std::optional<LoadedSource> before;
   ReadSourceImages(
