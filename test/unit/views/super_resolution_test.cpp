@@ -1,12 +1,16 @@
 #include "super_resolution.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/parallel.hpp"
+#include "deja_view/views/view_upscaling.hpp"
 
 #include <cstring>
 #include <fstream>
 #include <string>
 
+#include "synthetic_image.hpp"
 #include <gmock/gmock.h>
+#include <opencv2/imgproc.hpp>
 #include <unistd.h>
 
 namespace deja_view {
@@ -94,6 +98,42 @@ TEST(SuperResolutionTest, RunsANetworkOnAnySize) {
         EXPECT_EQ(whole.at<std::uint8_t>(y, x), image.at<std::uint8_t>(y / 2, from));
       }
     }
+  }
+}
+
+// What the package ships beats interpolation on a picture that it never saw.
+TEST(SuperResolutionTest, ShippedNetworkIsSharperThanInterpolation) {
+  internal::SuperResolution network(DEJA_VIEW_SOURCE_CONFIG "/super_resolution/fsrcnn_x2.onnx");
+  for (const std::uint64_t seed : {1U, 2U}) {
+    // Odd, so that the last row and column of the half are cut.
+    const cv::Size size(301, 239);
+    const cv::Mat whole = test::SyntheticImage(302, 240, seed);
+    cv::Mat half;
+    cv::resize(whole, half, {151, 120}, 0, 0, cv::INTER_AREA);
+    const cv::Mat truth = whole(cv::Rect({}, size));
+    const double cubic = cv::PSNR(ResizeFromHalf(half, size, cv::INTER_CUBIC), truth);
+    const cv::Mat ours = network.Double(half, size);
+    EXPECT_GT(cv::PSNR(ours, truth), cubic + 0.5);
+    // The border, too.
+    const cv::Mat rim = cv::Mat::zeros(size, CV_8UC1);
+    cv::rectangle(rim, cv::Rect({}, size), 255, 6);
+    EXPECT_LT(cv::norm(ours, truth, cv::NORM_L1, rim),
+              cv::norm(ResizeFromHalf(half, size, cv::INTER_CUBIC), truth, cv::NORM_L1, rim));
+  }
+}
+
+TEST(SuperResolutionTest, GivesTheSameInSeveralThreads) {
+  internal::SuperResolution network(DEJA_VIEW_SOURCE_CONFIG "/super_resolution/fsrcnn_x2.onnx");
+  const cv::Mat half = MakeImage({60, 40});
+  const cv::Mat expected = network.Double(half, {120, 80});
+  std::vector<cv::Mat> results(12);
+  ParallelFor(4, results.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      results[i] = network.Double(half, {120, 80});
+    }
+  });
+  for (const cv::Mat& result : results) {
+    EXPECT_EQ(cv::norm(result, expected, cv::NORM_INF), 0);
   }
 }
 
