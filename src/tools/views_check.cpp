@@ -4,6 +4,7 @@
 #include "deja_view/views/view_matching.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <set>
@@ -66,25 +67,51 @@ std::size_t JpegBytes(const cv::Mat& image, int quality) {
   return bytes.size();
 }
 
+// The least gate.max_depth_sigma with which the gate still offers a view; nothing when none does.
+std::optional<double> LeastDepthSigma(const RenderedView& small, const GateOptions& options) {
+  std::vector<double> sigmas;
+  for (int y = 0; y < small.depth.rows; ++y) {
+    for (int x = 0; x < small.depth.cols; ++x) {
+      const auto depth = static_cast<double>(small.depth.at<float>(y, x));
+      if (depth > 0 && small.opacity.at<float>(y, x) >= static_cast<float>(options.min_opacity)) {
+        const auto variance = static_cast<double>(small.depth_variance.at<float>(y, x));
+        sigmas.push_back(std::sqrt(variance) / depth);
+      }
+    }
+  }
+  const auto needed = static_cast<std::size_t>(
+      std::ceil(options.min_certain_share * static_cast<double>(small.depth.total())));
+  if (needed > sigmas.size()) {
+    return std::nullopt;
+  }
+  const auto last =
+      sigmas.begin() + static_cast<std::ptrdiff_t>(std::max<std::size_t>(1, needed) - 1);
+  std::nth_element(sigmas.begin(), last, sigmas.end());
+  return *last;
+}
+
 // Ways of making a view of full size with the radiance field.
 std::map<std::string, ViewUpscaler> MakeWays(UpscalingOptions options,
-                                             const std::filesystem::path& network) {
+                                             const ViewsCheckRequest& request) {
   std::map<std::string, ViewUpscaler> ways;
   const auto add = [&](const char* name, Upscaling method) {
-    options.method = method;
-    ways.emplace(name, ViewUpscaler(options));
+    const auto& wanted = request.ways;
+    if (wanted.empty() || std::find(wanted.begin(), wanted.end(), name) != wanted.end()) {
+      options.method = method;
+      ways.emplace(std::string("nerf_") + name, ViewUpscaler(options));
+    }
   };
-  add("nerf_direct", Upscaling::kDirect);
-  add("nerf_bicubic", Upscaling::kBicubic);
-  add("nerf_patches", Upscaling::kPatches);
-  if (!network.empty()) {
-    options.network = network;
+  add("direct", Upscaling::kDirect);
+  add("bicubic", Upscaling::kBicubic);
+  add("patches", Upscaling::kPatches);
+  if (!request.network.empty()) {
+    options.network = request.network;
   }
   try {
-    add("nerf_fsrcnn", Upscaling::kFsrcnn);
+    add("fsrcnn", Upscaling::kFsrcnn);
   } catch (const InputError&) {
-    // OpenCV may lack its dnn; only who names a network has to know.
-    if (!network.empty()) {
+    // OpenCV may lack its dnn; only who asks for it has to know.
+    if (!request.network.empty() || !request.ways.empty()) {
       throw;
     }
   }
@@ -100,7 +127,8 @@ class Check {
       : job_(posed.job),
         renderer_(ReadModel(request.input.model, posed.poses)),
         warp_(WarpFactory(job_.camera)),
-        ways_(MakeWays(job_.options.rendering, request.network)),
+        ways_(MakeWays(job_.options.rendering, request)),
+        small_camera_(job_.camera->Scaled(job_.options.gate.scale)),
         gate_(job_.options.gate, job_.camera, flown_N),
         extractor_(MakeFeatureExtractor(job_.options.features)) {}
 
@@ -129,32 +157,23 @@ class Check {
       return verdict == GateVerdict::kAccepted;
     };
     for (const Rigid3& T_C_V : SampleViews(job_.options.sampling, sample.source.stamp_ns, accept)) {
+      Json offer;
+      offer["stamp_ns"] = sample.source.stamp_ns;
       const Rigid3 T_N_V = sample.source.T_N_C * T_C_V;
-      const auto match = [&](const std::string& name,
-                             const ViewUpscaler& way,
-                             const ViewRenderer& from,
-                             const ViewRenderOptions& options) {
-        const auto start = Clock::now();
-        const double cpu_s = CpuSeconds();
-        const RenderedView view = way.Render(from, *job_.camera, T_N_V, options);
-        const Cost cost{1e3 * SecondsSince(start),
-                        1e3 * (CpuSeconds() - cpu_s),
-                        JpegBytes(view.image, job_.options.jpeg_quality)};
-        tallies_[name].Add(
-            CountCorrectMatches(real, extractor_->Extract(view.image), depth, *job_.camera, T_C_V),
-            cost);
-      };
+      const std::optional<double> sigma = LeastDepthSigma(
+          renderer_->Render(*small_camera_, T_N_V, {1, 0, job_.threads}), job_.options.gate);
+      offer["least_depth_sigma"] = sigma ? Json(*sigma) : Json(nullptr);
       for (const auto& [name, way] : ways_) {
-        match(name, way, *renderer_, exposure);
+        offer[name] = Match(name, way, *renderer_, exposure, {real, depth, T_N_V, T_C_V});
       }
-      match("warp", ways_.at("nerf_direct"), *warp, {1, 0, job_.threads});
+      offer["warp"] =
+          Match("warp", direct_, *warp, {1, 0, job_.threads}, {real, depth, T_N_V, T_C_V});
+      offers_.push_back(offer);
     }
-    tallies_["next_image"].Add(CountCorrectMatches(real,
-                                                   extractor_->Extract(next.image),
-                                                   depth,
-                                                   *job_.camera,
-                                                   sample.source.T_N_C.Inverse() * next.T_N_C),
-                               {0, 0, JpegBytes(next.image, job_.options.jpeg_quality)});
+    const Rigid3 T_C_next = sample.source.T_N_C.Inverse() * next.T_N_C;
+    tallies_["next_image"].Add(
+        CountCorrectMatches(real, extractor_->Extract(next.image), depth, *job_.camera, T_C_next),
+        {0, 0, JpegBytes(next.image, job_.options.jpeg_quality)});
   }
 
   Json Report() const {
@@ -165,17 +184,47 @@ class Check {
     json["not_recognised"] = not_recognised_;
     json["not_free"] = not_free_;
     json["uncertain"] = uncertain_;
+    json["offers"] = offers_;
     return json;
   }
 
  private:
+  // What a view is compared with, and where it is.
+  struct Place {
+    const Features& real;
+    const cv::Mat& depth;
+    Rigid3 T_N_V;
+    Rigid3 T_C_V;
+  };
+
+  // Renders and matches a view; returns its correct matches.
+  std::size_t Match(const std::string& name,
+                    const ViewUpscaler& way,
+                    const ViewRenderer& from,
+                    const ViewRenderOptions& options,
+                    const Place& place) {
+    const auto start = Clock::now();
+    const double cpu_s = CpuSeconds();
+    const RenderedView view = way.Render(from, *job_.camera, place.T_N_V, options);
+    const Cost cost{1e3 * SecondsSince(start),
+                    1e3 * (CpuSeconds() - cpu_s),
+                    JpegBytes(view.image, job_.options.jpeg_quality)};
+    const MatchCount count = CountCorrectMatches(
+        place.real, extractor_->Extract(view.image), place.depth, *job_.camera, place.T_C_V);
+    tallies_[name].Add(count, cost);
+    return count.correct;
+  }
+
   const ViewJob& job_;
   std::shared_ptr<const ViewRenderer> renderer_;
   ViewRendererFactory warp_;
   std::map<std::string, ViewUpscaler> ways_;
+  ViewUpscaler direct_{UpscalingOptions()};
+  std::unique_ptr<Camera> small_camera_;
   ViewGate gate_;
   std::unique_ptr<FeatureExtractor> extractor_;
   std::map<std::string, Tally> tallies_;
+  Json offers_ = Json::array();
   int not_recognised_ = 0;
   int not_free_ = 0;
   int uncertain_ = 0;

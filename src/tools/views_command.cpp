@@ -171,6 +171,8 @@ void AddCheck(CLI::App* views, Command* command) {
   sub->add_option("--images", request->images, "Images, spread over the flight")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
+  sub->add_option("--ways", request->ways, "Only these ways of rendering; all without")
+      ->check(CLI::IsMember({"direct", "bicubic", "patches", "fsrcnn"}));
   sub->add_option("--fsrcnn",
                   request->network,
                   "Network to upscale with, e.g. FSRCNN_x2.pb; the preset's without")

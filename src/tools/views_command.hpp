@@ -50,6 +50,7 @@ struct ViewsCheckRequest {
   ViewsInput input;
   int images = 40;                ///< spread over the flight
   std::filesystem::path network;  ///< FSRCNN; empty: the preset's
+  std::vector<std::string> ways;  ///< direct, bicubic, patches, fsrcnn; empty: all
 };
 
 /// Makes the bag; returns `alignment, images, without_pose, sources, resumed, not_recognised,
@@ -62,7 +63,8 @@ nlohmann::ordered_json RunViewsMerge(const ViewsMergeRequest& request);
 
 /// Matches real images with their virtual views (the paper's Fig. 6); returns per way of making
 /// them `views, visible, matched, correct, precision, render_ms_median, render_cpu_ms, bytes`,
-/// means per view; and `not_recognised, not_free, uncertain, images, alignment`.
+/// means per view; and `not_recognised, not_free, uncertain, offers, alignment, images`. `offers`
+/// has for each view its correct matches and the least gate.max_depth_sigma that lets it pass.
 nlohmann::ordered_json RunViewsCheck(const ViewsCheckRequest& request);
 
 }  // namespace deja_view

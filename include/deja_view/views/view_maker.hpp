@@ -40,7 +40,7 @@ struct ViewOptions {
   ViewExposure exposure = ViewExposure::kSource;
   double fit_scale = 0.25;       ///< size of the small render that is compared with the real image
   double min_correlation = 0.5;  ///< between the two; below it the model does not show that place
-  int jpeg_quality = 85;         ///< of the images; 50 kB for 752 x 480 px
+  int jpeg_quality = 85;         ///< of the images; 54 kB for 752 x 480 px
   FeatureOptions features;       ///< of the features, where they are wanted
 
   /// Violations, one line each.
