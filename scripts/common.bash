@@ -1,4 +1,4 @@
-# Shared by scripts/test, scripts/demo and .ci/run, which source it: where things are, and how to build.
+# Shared by the scripts beside it and .ci/run, which source it: where things are, how to build, how to play a bag.
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 jobs=$(nproc)
@@ -44,4 +44,21 @@ build() {
   cmake --build "$directory" -j "$jobs" "${targets[@]}" \
     || fail "building in $directory failed"
   echo "Built in $((SECONDS - start)) s."
+}
+
+# play_in_ros BUILD_DIRECTORY ROS_HOME LOG [argument:=value ...]: replay.launch, with a master of its own, so that one
+# that runs already is left alone, and without name look-ups.
+play_in_ros() {
+  local directory=$1 home=$2 log=$3 port
+  local free_port='import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])'
+  shift 3
+  port=$(/usr/bin/python3 -c "$free_port")
+  (
+    set +u
+    source "$directory/devel/setup.bash"
+    export ROS_MASTER_URI=http://127.0.0.1:$port ROS_IP=127.0.0.1 ROS_HOME=$home
+    unset ROS_HOSTNAME
+    export PATH=/usr/bin:$PATH
+    roslaunch --port "$port" deja_view replay.launch "$@"
+  ) > "$log" 2>&1 < /dev/null
 }

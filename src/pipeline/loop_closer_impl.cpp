@@ -399,6 +399,18 @@ Relocalisation LoopCloser::Impl::MakeRelocalisation(const LoopReport& loop,
   return result;
 }
 
+LoopMatches LoopCloser::Impl::MakeMatches(const LoopReport& loop,
+                                          const Verification& verification) const {
+  LoopMatches matches{loop.stamp_current_ns, loop.stamp_old_ns, loop.is_virtual, {}};
+  const std::vector<StoredView>& views = keyframes[static_cast<std::size_t>(loop.old)].views;
+  for (const PixelMatch& match : verification.pixel_matches) {
+    const int view =
+        match.camera == 0 ? -1 : views[static_cast<std::size_t>(match.camera - 1)].index;
+    matches.pairs.push_back({view, match.old_pixel, match.current_pixel});
+  }
+  return matches;
+}
+
 void LoopCloser::Impl::FindLoops(KeyframeReport* report) {
   const std::vector<Candidate> candidates = FindCandidates(report);
   Stopwatch watch;
@@ -427,7 +439,10 @@ void LoopCloser::Impl::FindLoops(KeyframeReport* report) {
     }
     report->reason = loop.reason;
     Believe(believed, report);
-    found += is_believed ? 1 : 0;
+    if (is_believed) {
+      ++found;
+      report->matches.push_back(MakeMatches(loop, verification));
+    }
     // The VIO takes pixels of the old real image: what virtual views alone show is of no use to it.
     if (is_believed && !loop.is_virtual && !report->relocalisation) {
       report->relocalisation = MakeRelocalisation(loop, verification);

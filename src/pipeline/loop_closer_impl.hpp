@@ -110,6 +110,7 @@ class LoopCloser::Impl {
   void FindLoops(KeyframeReport* report);
   void Believe(const std::vector<LoopConsistency::Entry>& entries, KeyframeReport* report);
   Relocalisation MakeRelocalisation(const LoopReport& loop, const Verification& verification) const;
+  LoopMatches MakeMatches(const LoopReport& loop, const Verification& verification) const;
   bool IsNewPlace() const;
   std::optional<std::size_t> KeyframeAt(std::int64_t stamp_ns) const;
   ViewOutcome Count(ViewOutcome outcome);

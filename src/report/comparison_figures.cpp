@@ -33,6 +33,7 @@ struct Curve {
   std::string name;
   std::vector<double> x;
   std::vector<double> y;
+  std::string css_class;  ///< empty: the next colour
 };
 
 std::string DrawCurves(const std::string& title,
@@ -48,8 +49,9 @@ std::string DrawCurves(const std::string& title,
   Legend legend({kLeft - 48, 55}, &svg);
   plot.DrawAxes(x_name, y_name, &svg);
   for (std::size_t i = 0; i < curves.size(); ++i) {
-    svg.AddPolyline(ClassOf(i), plot.ToPixels(curves[i].x, curves[i].y));
-    legend.AddLine(ClassOf(i), curves[i].name);
+    const std::string css_class = curves[i].css_class.empty() ? ClassOf(i) : curves[i].css_class;
+    svg.AddPolyline(css_class, plot.ToPixels(curves[i].x, curves[i].y));
+    legend.AddLine(css_class, curves[i].name);
   }
   return svg.ToString();
 }
@@ -98,6 +100,8 @@ Sweep ReadSweep(const std::filesystem::path& path, const std::string& name) {
       ThrowInputError("{}:{}: expected five numbers", path.string(), number);
     }
     sweep.r.push_back(r);
+    sweep.found.push_back(found);
+    sweep.correct.push_back(correct);
     sweep.precision.push_back(precision);
     sweep.recall.push_back(recall);
   }
@@ -126,7 +130,7 @@ std::string SweepFigure(const std::vector<Sweep>& sweeps) {
   unit.Include(0);
   unit.Include(1);
   for (std::size_t i = 0; i < std::min(sweeps.size(), kMostCurves); ++i) {
-    curves.push_back({sweeps[i].name, sweeps[i].recall, sweeps[i].precision});
+    curves.push_back({sweeps[i].name, sweeps[i].recall, sweeps[i].precision, {}});
   }
   return DrawCurves("Places told by score alone",
                     "Precision over recall as the threshold r falls, per way of scoring; geometry "
@@ -138,9 +142,31 @@ std::string SweepFigure(const std::vector<Sweep>& sweeps) {
                     unit);
 }
 
+std::string ThresholdFigure(const std::vector<Sweep>& sweeps) {
+  std::vector<Curve> curves;
+  Range r;
+  Range counts;
+  counts.Include(0);
+  for (std::size_t i = 0; i < std::min(sweeps.size(), kMostCurves); ++i) {
+    const Sweep& sweep = sweeps[i];
+    curves.push_back({sweep.name + ", found", sweep.r, sweep.found, ClassOf(i)});
+    curves.push_back({"correct", sweep.r, sweep.correct, ClassOf(i) + " dashed"});
+    r.Include(sweep.r);
+    counts.Include(sweep.found);
+  }
+  return DrawCurves("The threshold r",
+                    "Places found by score alone, and the correct ones of them, over the "
+                    "threshold r.",
+                    "r",
+                    "keyframes",
+                    curves,
+                    r,
+                    counts);
+}
+
 std::string SpacingFigure(const nlohmann::ordered_json& variants) {
-  std::array<Curve, 2> curves = {Curve{"without virtual views", {}, {}},
-                                 Curve{"with virtual views", {}, {}}};
+  std::array<Curve, 2> curves = {Curve{"without virtual views", {}, {}, {}},
+                                 Curve{"with virtual views", {}, {}, {}}};
   Range x;
   x.Include(0);
   for (const auto& entry : variants) {

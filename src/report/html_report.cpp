@@ -5,16 +5,16 @@
 #include "deja_view/report/svg.hpp"
 
 #include <algorithm>
-#include <cstdint>
 #include <fstream>
 #include <iterator>
 
+#include "base64.hpp"
 #include <fmt/format.h>
 
 namespace deja_view::report {
 namespace {
 
-constexpr std::size_t kRunsInFull = 2;
+constexpr std::size_t kRunsInFull = 4;
 constexpr std::size_t kMostRuns = 4;  ///< in one figure: each has its colour
 
 // Tables scroll on their own on a narrow screen, figures shrink with it.
@@ -50,24 +50,7 @@ std::string Inline(std::string svg) {
   return "<figure>" + svg.substr(tag).insert(5, "class=\"figure\" ") + "</figure>\n";
 }
 
-std::string Base64(const std::string& bytes) {
-  constexpr const char* kDigits =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t group = 0;
-    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
-    for (std::size_t k = 0; k < 3; ++k) {
-      group = group << 8U | (k < count ? static_cast<std::uint8_t>(bytes[i + k]) : 0U);
-    }
-    for (std::size_t k = 0; k < 4; ++k) {
-      text += k <= count ? kDigits[group >> (18 - 6 * k) & 63U] : '=';
-    }
-  }
-  return text;
-}
-
-std::string Picture(const std::string& caption, const std::filesystem::path& path) {
+std::string PictureFile(const std::string& caption, const std::filesystem::path& path) {
   std::ifstream stream(path, std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
   const bool is_png = bytes.rfind("\x89PNG", 0) == 0;
@@ -189,6 +172,9 @@ std::string Commands(const HtmlReport& report) {
   const auto add = [&](const std::string& command) {
     html += "<li><code>" + EscapeXml(command) + "</code></li>\n";
   };
+  for (const std::string& command : report.commands) {
+    add(command);
+  }
   if (report.evaluation.contains("variants")) {
     for (const auto& entry : report.evaluation["variants"]) {
       add(entry.value("command", ""));
@@ -208,13 +194,31 @@ std::string Figures(const HtmlReport& report) {
     html += Inline(TrajectoryFigure(compared[i]));
   }
   if (compared.front().vio_ape) {
-    html += Inline(ErrorFigure(compared));
+    html += Inline(ErrorFigure(compared)) + Inline(ApeFigure(compared));
   }
-  html += "<h2>Loops</h2>\n" + Inline(LoopCountFigure(compared));
+  html +=
+      "<h2>Loops</h2>\n" + Inline(LoopCountFigure(compared)) + Inline(DetectionFigure(compared));
   for (std::size_t i = 0; i < std::min(kRunsInFull, compared.size()); ++i) {
     html += Inline(LoopFigure(compared[i]));
   }
   return html;
+}
+
+std::string Matches(const HtmlReport& report) {
+  std::string html;
+  for (std::size_t i = 0; i < std::min(report.runs.size(), report.matches.size()); ++i) {
+    const RunData& run = report.runs[i].run;
+    if (!report.matches[i].empty() && !run.vio.empty()) {
+      html += "<h3>" + EscapeXml(run.name) + "</h3>\n";
+      for (const MatchedLoop& loop : report.matches[i]) {
+        html += Inline(MatchFigure(loop, report.match_pictures, run.vio.stamps_ns.front()));
+      }
+    }
+  }
+  for (const auto& [caption, path] : report.pictures) {
+    html += PictureFile(caption, path);
+  }
+  return html.empty() ? html : "<h2>Matched images</h2>\n" + html;
 }
 
 }  // namespace
@@ -230,15 +234,14 @@ std::string ToHtml(const HtmlReport& report) {
                   EscapeXml(report.title),
                   StyleSheet(),
                   kPageStyle);
-  html += RunTable(report.runs) + Figures(report);
-  if (!report.pictures.empty()) {
-    html += "<h2>Matched images</h2>\n";
-    for (const auto& [caption, path] : report.pictures) {
-      html += Picture(caption, path);
-    }
+  html += RunTable(report.runs);
+  for (const auto& [caption, rows] : report.tables) {
+    html += "<h2>" + EscapeXml(caption) + "</h2>\n" + Table(rows);
   }
+  html += Figures(report) + Matches(report);
   if (!report.sweeps.empty()) {
-    html += "<h2>Thresholds</h2>\n" + Inline(SweepFigure(report.sweeps));
+    html += "<h2>Thresholds</h2>\n" + Inline(SweepFigure(report.sweeps)) +
+            Inline(ThresholdFigure(report.sweeps));
   }
   if (report.evaluation.contains("variants")) {
     const std::string spacing = SpacingFigure(report.evaluation["variants"]);

@@ -73,6 +73,10 @@ constexpr const char* kShapes =
     ".mean{stroke-width:1.2;stroke-dasharray:5 4;stroke-linecap:butt;opacity:.75}\n"
     "path.area{stroke:none;opacity:.12}\n"
     ".loop{stroke-width:.9;opacity:.4}\n"
+    ".detection{stroke-width:1;stroke-linecap:butt}\n"
+    "path.bar{stroke:none}\n"
+    ".match{stroke-width:1;opacity:.6}\n"
+    ".dashed{stroke-dasharray:6 4;stroke-linecap:butt}\n"
     ".tick{stroke-width:1;opacity:.6;stroke-linecap:butt}\n"
     ".dot{stroke-width:4.2}\n"
     ".smalldot{stroke-width:3}\n";
@@ -104,15 +108,16 @@ std::string Colors(const Palette& p) {
   AddStroke("scale", p.muted, &css);
   AddStroke("truth", p.truth, &css);
   AddStroke("vio", p.vio, &css);
-  css += fmt::format(".area.vio{{fill:{}}}\n", p.vio);
+  css += fmt::format(".area.vio,path.bar.vio{{fill:{}}}\n", p.vio);
   for (std::size_t i = 0; i < p.runs.size(); ++i) {
     AddStroke(fmt::format("run{}", i).c_str(), p.runs.at(i), &css);
-    css += fmt::format(".area.run{}{{fill:{}}}\n", i, p.runs.at(i));
+    css += fmt::format(".area.run{0},path.bar.run{0}{{fill:{1}}}\n", i, p.runs.at(i));
   }
   AddStroke("correct", p.correct, &css);
   AddStroke("wrong", p.wrong, &css);
   AddStroke("refused", p.refused, &css);
   css += fmt::format("path.revisit{{fill:{0}}}\nrect.revisit{{fill:{0}}}\n", p.revisit);
+  css += fmt::format(".frame{{fill:{}}}\n", p.grid);
   css += fmt::format(".mark{{fill:{};stroke:{};stroke-width:2}}\n", p.page, p.text);
   for (int i = 0; i < kErrorColors; ++i) {
     const std::string color = ErrorColor(p, i);

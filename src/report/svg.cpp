@@ -215,6 +215,17 @@ void Svg::AddDots(std::string_view css_class, const std::vector<Point>& centers)
   AddPath(css_class, data);
 }
 
+void Svg::AddImage(const Point& corner, const Point& size, std::string_view address) {
+  if (corner.allFinite() && size.allFinite()) {
+    body_ += fmt::format("<image x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" href=\"{}\"/>\n",
+                         FormatNumber(corner.x()),
+                         FormatNumber(corner.y()),
+                         FormatNumber(size.x()),
+                         FormatNumber(size.y()),
+                         EscapeXml(address));
+  }
+}
+
 void Svg::AddCircle(std::string_view css_class, const Point& center, double radius) {
   if (center.allFinite()) {
     body_ += fmt::format("<circle class=\"{}\" cx=\"{}\" cy=\"{}\" r=\"{}\"/>\n",

@@ -48,6 +48,9 @@ LoopFusionNode::LoopFusionNode()
   callbacks.on_keyframe =
       [this](const KeyframeInput& input, const KeyframeReport& report, const LoopCloser& closer) {
         loops_.insert(loops_.end(), report.loops.begin(), report.loops.end());
+        for (const LoopMatches& matches : report.matches) {
+          matches_.Add(matches);
+        }
         publisher_->PublishKeyframe(input, report, closer);
       };
   callbacks.on_problem = [this](const std::string& what) { OnProblem(what); };
@@ -269,8 +272,11 @@ bool LoopFusionNode::Finish() {
         closer.Save(maps_.Resolve(parameters_.save_map_at_end));
       }
       if (!parameters_.output_directory.empty()) {
-        WriteResultFiles(
-            parameters_.output_directory, AllKeyframes(closer), first_own_keyframe_, loops_);
+        WriteResultFiles(parameters_.output_directory,
+                         AllKeyframes(closer),
+                         first_own_keyframe_,
+                         loops_,
+                         matches_.Sorted());
       }
       return true;
     });

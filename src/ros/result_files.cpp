@@ -34,15 +34,38 @@ void WriteLoops(std::ostream& out, const std::vector<LoopReport>& loops) {
   }
 }
 
+void WriteMatches(std::ostream& out, const std::vector<LoopMatches>& matches) {
+  out << "stamp_current_ns,stamp_old_ns,virtual,view,u_old,v_old,u_current,v_current\n";
+  for (const LoopMatches& loop : matches) {
+    for (const LoopMatches::Pair& pair : loop.pairs) {
+      out << fmt::format("{},{},{},{},{:.1f},{:.1f},{:.1f},{:.1f}\n",
+                         loop.stamp_current_ns,
+                         loop.stamp_old_ns,
+                         loop.is_virtual ? 1 : 0,
+                         pair.view,
+                         pair.old_pixel.x(),
+                         pair.old_pixel.y(),
+                         pair.current_pixel.x(),
+                         pair.current_pixel.y());
+    }
+  }
+}
+
 }  // namespace
 
 void WriteResultFiles(const std::filesystem::path& directory,
                       const std::vector<KeyframeInfo>& keyframes,
                       int first_own,
-                      const std::vector<LoopReport>& loops) {
+                      const std::vector<LoopReport>& loops,
+                      const std::vector<LoopMatches>& matches) {
   Trajectory corrected;
   Trajectory vio;
+  Trajectory places;
   for (const KeyframeInfo& keyframe : keyframes) {
+    if (keyframe.is_place) {
+      places.stamps_ns.push_back(keyframe.stamp_ns);
+      places.poses.push_back(keyframe.T_M_B);
+    }
     if (keyframe.index >= first_own) {
       corrected.stamps_ns.push_back(keyframe.stamp_ns);
       corrected.poses.push_back(keyframe.T_M_B);
@@ -52,8 +75,11 @@ void WriteResultFiles(const std::filesystem::path& directory,
   }
   WriteTum(directory / "trajectory.txt", corrected);
   WriteTum(directory / "vio.txt", vio);
+  WriteTum(directory / "places.txt", places);
   WriteFileAtomically(directory / "loops.csv",
                       [&loops](std::ostream& out) { WriteLoops(out, loops); });
+  WriteFileAtomically(directory / "matches.csv",
+                      [&matches](std::ostream& out) { WriteMatches(out, matches); });
 }
 
 }  // namespace deja_view

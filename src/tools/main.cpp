@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
   deja_view::AddReplayCommand(app, &command);
   deja_view::AddViewsCommand(app, &command);
 #endif
+  deja_view::AddApeCommand(app, &command);
   deja_view::AddNerfCommand(app, &command);
   deja_view::AddReportCommand(app, &command);
   deja_view::AddSimulateCommand(app, &command);

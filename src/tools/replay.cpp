@@ -4,7 +4,6 @@
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/progress.hpp"
 #include "deja_view/io/options_yaml.hpp"
-#include "deja_view/io/tum.hpp"
 #include "deja_view/io/vins_config.hpp"
 #include "deja_view/ros/loop_fusion_options.hpp"
 #include "deja_view/ros/result_files.hpp"
@@ -81,6 +80,9 @@ void Play(const ReplayRequest& request,
     for (const LoopReport& loop : report.loops) {
       accepted += loop.accepted() ? 1 : 0;
       result->loops.push_back(loop);
+    }
+    for (const LoopMatches& matches : report.matches) {
+      result->matches.Add(matches);
     }
     if (report.best_place) {
       result->best_places.push_back({report.index, *report.best_place});
@@ -164,15 +166,8 @@ ReplayResult RunReplay(const ReplayRequest& request) {
     JudgeReplay(request, vins.T_B_C, &result);
   }
   if (!request.out.empty()) {
-    WriteResultFiles(request.out, result.keyframes, result.map_keyframes, result.loops);
-    Trajectory places;
-    for (const KeyframeInfo& keyframe : result.keyframes) {
-      if (keyframe.is_place) {
-        places.stamps_ns.push_back(keyframe.stamp_ns);
-        places.poses.push_back(keyframe.T_M_B);
-      }
-    }
-    WriteTum(request.out / "places.txt", places);
+    WriteResultFiles(
+        request.out, result.keyframes, result.map_keyframes, result.loops, result.matches.Sorted());
     WriteSweep(request.out / "sweep.csv", result.detections);
   }
   return result;

@@ -6,6 +6,7 @@
 #include "deja_view/geometry/trajectory.hpp"
 #include "deja_view/pipeline/loop_closer.hpp"
 #include "deja_view/ros/bag_replay.hpp"
+#include "deja_view/ros/match_samples.hpp"
 
 #include <filesystem>
 #include <optional>
@@ -42,6 +43,7 @@ struct ReplayResult {
   std::vector<KeyframeInfo> keyframes;  ///< the loaded map's first
   int map_keyframes = 0;                ///< how many of them are the loaded map's
   std::vector<LoopRow> loops;           ///< in the order in which they were decided
+  MatchSamples matches;                 ///< of some of them
   /// Per keyframe with something to be matched with: (current, best past keyframe, score).
   struct Best {
     int current = -1;

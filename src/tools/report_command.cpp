@@ -15,14 +15,28 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include "commands.hpp"
+#include <Eigen/Core>
+#include <fmt/format.h>
+#include <opencv2/core/version.hpp>
+#ifdef DEJA_VIEW_WITH_ROS
+#include "report_pictures.hpp"
+#endif
 
 namespace deja_view {
 namespace {
 
 namespace fs = std::filesystem;
+
+#ifdef DEJA_VIEW_WITH_ROS
+constexpr bool kWithRos = true;
+#else
+constexpr bool kWithRos = false;
+#endif
 
 struct ReportRequest {
   std::vector<fs::path> runs;
@@ -33,6 +47,10 @@ struct ReportRequest {
   fs::path html;
   fs::path evaluation;                ///< directory that `deja_view evaluate` wrote
   std::vector<std::string> pictures;  ///< CAPTION=FILE
+  std::vector<fs::path> bags;         ///< with the images of matched loops
+  std::vector<std::string> commands;  ///< that made the runs
+  std::vector<std::string> tables;    ///< CAPTION=FILE
+  std::string title;                  ///< empty: the usual one
   std::string command;
 };
 
@@ -63,14 +81,92 @@ nlohmann::ordered_json ReadEvaluation(const fs::path& directory) {
   return json;
 }
 
+/// The program, what it was built with, and where it runs.
+std::string Version() {
+  std::string processor = "unknown processor";
+  std::ifstream cpuinfo("/proc/cpuinfo");
+  for (std::string line; std::getline(cpuinfo, line);) {
+    const std::size_t colon = line.find(": ");
+    if (line.rfind("model name", 0) == 0 && colon != std::string::npos) {
+      processor = line.substr(colon + 2);
+      break;
+    }
+  }
+  return fmt::format("{}, {}compiler {}, OpenCV {}, Eigen {}.{}.{}; {}, {} threads",
+                     DEJA_VIEW_VERSION,
+                     kWithRos ? "" : "without ROS, ",
+                     __VERSION__,
+                     CV_VERSION,
+                     EIGEN_WORLD_VERSION,
+                     EIGEN_MAJOR_VERSION,
+                     EIGEN_MINOR_VERSION,
+                     processor,
+                     std::thread::hardware_concurrency());
+}
+
+std::pair<std::string, fs::path> SplitCaption(const char* option, const std::string& text) {
+  const std::size_t sign = text.find('=');
+  if (sign == std::string::npos) {
+    ThrowInputError("{} {}: expected CAPTION=FILE", option, text);
+  }
+  return {text.substr(0, sign), text.substr(sign + 1)};
+}
+
+/// A JSON array of arrays of texts and numbers: the head and the rows of a table.
+std::vector<std::vector<std::string>> ReadTable(const fs::path& file) {
+  std::ifstream stream(file);
+  const auto json = nlohmann::json::parse(stream, nullptr, false);
+  std::vector<std::vector<std::string>> rows;
+  bool is_table = json.is_array() && !json.empty();
+  for (std::size_t i = 0; is_table && i < json.size(); ++i) {
+    is_table = json[i].is_array();
+    rows.emplace_back();
+    for (const auto& cell : json[i]) {
+      rows.back().push_back(cell.is_string() ? cell.get<std::string>() : cell.dump());
+    }
+  }
+  if (!is_table) {
+    ThrowInputError("{}: expected a JSON array with an array per row", file.string());
+  }
+  return rows;
+}
+
+/// Chooses the loops of every run that are shown, and looks their images up.
+void AddMatches(const ReportRequest& request, report::HtmlReport* html) {
+  constexpr std::size_t kPerRun = 4;
+  constexpr std::size_t kRuns = 2;
+  std::set<std::pair<std::int64_t, int>> wanted;
+  for (std::size_t i = 0; i < std::min(kRuns, request.runs.size()); ++i) {
+    const fs::path file = request.runs[i] / "matches.csv";
+    html->matches.emplace_back();
+    if (fs::exists(file)) {
+      html->matches.back() = report::ChooseMatches(report::ReadMatches(file), kPerRun);
+    }
+    for (const report::MatchedLoop& loop : html->matches.back()) {
+      for (const auto& picture : report::PicturesOf(loop)) {
+        wanted.insert(picture);
+      }
+    }
+  }
+#ifdef DEJA_VIEW_WITH_ROS
+  if (!request.bags.empty()) {
+    html->match_pictures =
+        ReadPictures(request.bags, ReadVinsConfig(request.camera).image_topic, wanted);
+  }
+#endif
+}
+
 void WriteHtml(const ReportRequest& request,
                const std::vector<report::JudgedRun>& runs,
                const nlohmann::ordered_json& evaluation) {
   report::HtmlReport html;
+  html.title = request.title.empty() ? html.title : request.title;
   html.runs = runs;
   html.evaluation = evaluation;
-  html.version = DEJA_VIEW_VERSION;
+  html.version = Version();
+  html.commands = request.commands;
   html.command = request.command;
+  AddMatches(request, &html);
   for (const fs::path& directory : request.runs) {
     const std::string name = directory.filename().string();
     const bool is_scored = name.rfind("weights_", 0) == 0 || name.rfind("threshold_", 0) == 0;
@@ -79,11 +175,11 @@ void WriteHtml(const ReportRequest& request,
     }
   }
   for (const std::string& picture : request.pictures) {
-    const std::size_t sign = picture.find('=');
-    if (sign == std::string::npos) {
-      ThrowInputError("--picture {}: expected CAPTION=FILE", picture);
-    }
-    html.pictures.emplace_back(picture.substr(0, sign), picture.substr(sign + 1));
+    html.pictures.push_back(SplitCaption("--picture", picture));
+  }
+  for (const std::string& table : request.tables) {
+    const auto [caption, file] = SplitCaption("--table", table);
+    html.tables.emplace_back(caption, ReadTable(file));
   }
   WriteFileAtomically(request.html,
                       [text = report::ToHtml(html)](std::ostream& out) { out << text; });
@@ -141,6 +237,9 @@ int RunReport(ReportRequest request) {
   if (request.runs.empty()) {
     ThrowInputError("expected --run or --evaluation");
   }
+  if (!request.bags.empty() && request.camera.empty()) {
+    ThrowInputError("--bag: expected --camera as well, which names the image topic");
+  }
   const std::vector<report::JudgedRun> runs = ReadRuns(request);
   std::cout << report::SummaryTable(runs);
   if (!request.json.empty()) {
@@ -159,12 +258,22 @@ int RunReport(ReportRequest request) {
   return 0;
 }
 
+/// A word as a shell takes it.
+std::string Quoted(const std::string& word) {
+  const bool is_plain =
+      !word.empty() && word.find_first_of(" \t\n'\"\\$`&|;<>()*?[]#~") == std::string::npos;
+  return is_plain ? word : "'" + word + "'";
+}
+
 /// The arguments as they were given.
 std::string Arguments(const CLI::App& sub) {
   std::string text;
   for (const CLI::Option* option : sub.get_options()) {
+    if (option->get_name() == "--ran") {
+      continue;  // shown beside this command
+    }
     for (const std::string& value : option->results()) {
-      text += " " + option->get_name() + " " + value;
+      text += " " + option->get_name() + " " + Quoted(value);
     }
   }
   return text;
@@ -191,6 +300,23 @@ void AddReportCommand(CLI::App& app, Command* command) {
   sub->add_option("--evaluation",
                   request->evaluation,
                   "Directory that deja_view evaluate wrote: all its variants are runs");
+#ifdef DEJA_VIEW_WITH_ROS
+  sub->add_option("--bag",
+                  request->bags,
+                  "Bag with the images and virtual views of the runs, to show matched images in "
+                  "the HTML page; can be repeated")
+      ->take_all();
+#endif
+  sub->add_option("--ran",
+                  request->commands,
+                  "A command that made the runs, for the HTML page; can be repeated")
+      ->take_all();
+  sub->add_option("--title", request->title, "Title of the HTML page");
+  sub->add_option("--table",
+                  request->tables,
+                  "CAPTION=FILE of a further table for the HTML page: a JSON array of rows, the "
+                  "head first")
+      ->take_all();
   sub->add_option("--picture", request->pictures, "CAPTION=FILE of an image for the HTML page")
       ->take_all();
   sub->footer(

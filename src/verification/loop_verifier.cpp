@@ -241,12 +241,13 @@ void LoopVerifier::Summarise(const Pair& pair,
   for (const int i : pose.inliers) {
     const Match& match = problem.matches[static_cast<std::size_t>(i)];
     const Link& link = pair.links[match.link];
-    (link.is_reverse ? old_cells : current_cells)
-        .set(CellOf(link.points->point_pixels[static_cast<std::size_t>(match.point)],
-                    *link.points_camera));
-    (link.is_reverse ? current_cells : old_cells)
-        .set(CellOf(link.image->keypoints[static_cast<std::size_t>(match.keypoint)],
-                    *link.image_camera));
+    const Eigen::Vector2f& point = link.points->point_pixels[static_cast<std::size_t>(match.point)];
+    const Eigen::Vector2f& seen = link.image->keypoints[static_cast<std::size_t>(match.keypoint)];
+    (link.is_reverse ? old_cells : current_cells).set(CellOf(point, *link.points_camera));
+    (link.is_reverse ? current_cells : old_cells).set(CellOf(seen, *link.image_camera));
+    v->pixel_matches.push_back({static_cast<int>(match.link / 2),
+                                link.is_reverse ? point : seen,
+                                link.is_reverse ? seen : point});
     if (match.link == 0) {
       v->point_matches.push_back({match.point, match.keypoint});
     }

@@ -33,15 +33,20 @@ def write_run(directory, drift, loops):
             file.write(f"{start + 40 + i}000000000,{start + i}000000000,0,0,0,0,0,0,1,0.5,40,{i % 2},1,accepted\n")
     with open(os.path.join(directory, "sweep.csv"), "w") as file:
         file.write("r,found,correct,precision,recall\n0.9,1,1,1.0,0.1\n0.5,8,6,0.75,0.6\n")
+    with open(os.path.join(directory, "matches.csv"), "w") as file:
+        file.write("stamp_current_ns,stamp_old_ns,virtual,view,u_old,v_old,u_current,v_current\n")
+        for view in (-1, -1, 2):
+            file.write(f"{start + 41}000000000,{start + 1}000000000,1,{view},100,{200 + view},150,220\n")
     return [pose(i, 0) for i in range(80)]
 
 
 def write_evaluation(directory):
     truth = write_run(os.path.join(directory, "no_virtual"), 0.01, 5)
     write_run(os.path.join(directory, "virtual"), 0.01, 12)
+    write_run(os.path.join(directory, "weights_text"), 0.01, 7)
     variants = [
         {"name": name, "command": f"deja_view replay --out {name}", "recall": recall, "cpu_s": 1.5}
-        for name, recall in (("no_virtual", 0.5), ("virtual", 0.75))
+        for name, recall in (("no_virtual", 0.5), ("virtual", 0.75), ("weights_text", 0.5))
     ]
     with open(os.path.join(directory, "evaluation.json"), "w") as file:
         json.dump({"variants": variants}, file)
@@ -70,7 +75,11 @@ def main(tool, browser):
         evaluation = os.path.join(directory, "evaluation")
         truth = write_evaluation(evaluation)
         page = os.path.join(directory, "report.html")
-        subprocess.run([tool, "report", "--evaluation", evaluation, "--groundtruth", truth, "--html", page],
+        table = os.path.join(directory, "table.json")
+        with open(table, "w") as file:
+            json.dump([["poses", "PSNR"], ["colmap", 27.5]], file)
+        subprocess.run([tool, "report", "--evaluation", evaluation, "--groundtruth", truth, "--html", page,
+                        "--table", f"Table 2={table}", "--ran", "roslaunch a b:='c d'"],
                        check=True, stdout=subprocess.DEVNULL)
         # A probe that the report itself has not: how wide the page becomes.
         probed = os.path.join(directory, "probed.html")
@@ -81,8 +90,13 @@ def main(tool, browser):
         for options in ((), ("--force-dark-mode", "--enable-features=WebContentsForceDark")):
             dom, said = render(browser, page, profile, *options)
             assert "CONSOLE" not in said, said
-            assert dom.count('<svg class="figure"') == 6, dom.count("<svg")
-            assert dom.count("<table>") == 2
+            # Three runs' trajectories and loops, errors, their statistics, counts, detections; the matches of two
+            # runs; two figures of the sweep.
+            assert dom.count('<svg class="figure"') == 14, dom.count("<svg")
+            assert dom.count("<table>") == 3
+            for text in ("Matched images", "virtual view 2 of the place, 1 inlier", "Keyframes with a loop",
+                         "The threshold r", "27.5", "roslaunch a b:='c d'"):
+                assert text in dom, text
             assert "NaN" not in dom and "undefined" not in dom
         dom, _ = render(browser, probed, profile, "--window-size=500,900")
         width = int(re.search(r"width (\d+)", dom).group(1))

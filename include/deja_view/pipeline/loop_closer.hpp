@@ -32,6 +32,19 @@ struct Relocalisation {
   std::vector<RelocalisationPoint> points;
 };
 
+/// What an accepted loop rests on, to show it.
+struct LoopMatches {
+  struct Pair {
+    int view = -1;  ///< index of the old keyframe's virtual view; -1: its real image
+    Eigen::Vector2f old_pixel = Eigen::Vector2f::Zero();  ///< [px] in that image
+    Eigen::Vector2f current_pixel = Eigen::Vector2f::Zero();
+  };
+  std::int64_t stamp_current_ns = 0;
+  std::int64_t stamp_old_ns = 0;
+  bool is_virtual = false;
+  std::vector<Pair> pairs;
+};
+
 /// Wall time of one keyframe's steps [ms].
 struct KeyframeTimes {
   double features = 0, words = 0, query = 0, verification = 0, graph = 0;
@@ -57,7 +70,8 @@ struct KeyframeReport {
   std::vector<LoopReport> loops;
   std::optional<BestPlace> best_place;  ///< whether or not it reached any threshold
   std::optional<Relocalisation> relocalisation;
-  bool graph_changed = false;  ///< optimised poses moved: publish paths anew
+  std::vector<LoopMatches> matches;  ///< of this keyframe's own loops that were accepted at once
+  bool graph_changed = false;        ///< optimised poses moved: publish paths anew
   KeyframeTimes times;
 };
 

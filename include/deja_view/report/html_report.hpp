@@ -1,5 +1,6 @@
 #pragma once
 
+#include "deja_view/report/matches.hpp"
 #include "deja_view/report/run.hpp"
 
 #include <filesystem>
@@ -15,6 +16,8 @@ namespace deja_view::report {
 struct Sweep {
   std::string name;
   std::vector<double> r;
+  std::vector<double> found;
+  std::vector<double> correct;
   std::vector<double> precision;
   std::vector<double> recall;
 };
@@ -25,8 +28,22 @@ Sweep ReadSweep(const std::filesystem::path& path, const std::string& name);
 /// Accepted loops so far over time, a line per run (the paper's Figs. 7 and 8). At least one run.
 std::string LoopCountFigure(const std::vector<JudgedRun>& runs);
 
-/// Recall over precision of places told by score alone, a line per sweep (the paper's Fig. 20).
+/// When loops were detected, a row per run (the paper's Figs. 7 and 8): with the colour of both for
+/// keyframes with a loop in the run before it, too, and with one of its own for further ones. At
+/// least one run.
+std::string DetectionFigure(const std::vector<JudgedRun>& runs);
+
+/// Maximum, RMSE, mean, median and minimum of the position error, a group of bars per run, the
+/// first run's odometry first (the paper's Figs. 12, 13, 17 and 18). At least one run; empty
+/// without truth.
+std::string ApeFigure(const std::vector<JudgedRun>& runs);
+
+/// Recall over precision of places told by score alone, a line per sweep.
 std::string SweepFigure(const std::vector<Sweep>& sweeps);
+
+/// Places found, and correct ones dashed, over the threshold r, a colour per sweep (the paper's
+/// Fig. 20).
+std::string ThresholdFigure(const std::vector<Sweep>& sweeps);
 
 /// Recall over the distance between the map's places, with and without virtual views, from the
 /// variants "spacing_M_virtual" and "spacing_M_no_virtual" of an evaluation; empty without any.
@@ -37,11 +54,16 @@ struct HtmlReport {
   std::string title = "Loop closure report";
   std::vector<JudgedRun> runs;  ///< the first ones are drawn in full
   std::vector<Sweep> sweeps;
-  nlohmann::ordered_json evaluation;  ///< what `deja_view evaluate` wrote
-  /// Caption and PNG or JPEG file of matched images.
+  /// Caption and rows, the first of which is the head, of further tables.
+  std::vector<std::pair<std::string, std::vector<std::vector<std::string>>>> tables;
+  nlohmann::ordered_json evaluation;              ///< what `deja_view evaluate` wrote
+  std::vector<std::vector<MatchedLoop>> matches;  ///< of each run, to be drawn
+  Pictures match_pictures;                        ///< what `matches` show
+  /// Caption and PNG or JPEG file of further images.
   std::vector<std::pair<std::string, std::filesystem::path>> pictures;
-  std::string version;
-  std::string command;  ///< that made the report
+  std::string version;                ///< of the program and what it was built with
+  std::vector<std::string> commands;  ///< that made the runs
+  std::string command;                ///< that made the report
 };
 
 /// The report as one HTML page that needs nothing else: no network, no script; pictures are inside.

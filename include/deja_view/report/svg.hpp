@@ -50,6 +50,8 @@ class Svg {
   void AddBoxes(std::string_view css_class, const std::vector<std::pair<Point, Point>>& corners);
   /// Dots as wide as the class's line, which needs round caps.
   void AddDots(std::string_view css_class, const std::vector<Point>& centers);
+  /// An image at the given place; `address` is a data: address.
+  void AddImage(const Point& corner, const Point& size, std::string_view address);
   void AddCircle(std::string_view css_class, const Point& center, double radius);
   void AddText(std::string_view css_class,
                const Point& baseline,

@@ -4,6 +4,7 @@
 #include "deja_view/ros/loop_fusion.hpp"
 #include "deja_view/ros/loop_publisher.hpp"
 #include "deja_view/ros/map_directory.hpp"
+#include "deja_view/ros/match_samples.hpp"
 #include "deja_view/ros/node_parameters.hpp"
 #include "deja_view/ros/virtual_frame_conversion.hpp"
 
@@ -82,6 +83,7 @@ class LoopFusionNode {
   int first_own_sequence_ = 0;
   int first_own_keyframe_ = 0;
   std::vector<LoopReport> loops_;
+  MatchSamples matches_;
 
   std::atomic<std::int64_t> bad_messages_{0};
   LoopFusionStatistics diagnosed_;  ///< at the last diagnosis

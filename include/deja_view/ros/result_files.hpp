@@ -10,14 +10,19 @@ namespace deja_view {
 /// Writes what a flight gave to `directory`, which is made when missing:
 ///   trajectory.txt  corrected body poses of the keyframes, TUM format
 ///   vio.txt         the same as the VIO gave them
+///   places.txt      the keyframes that can be recognised, as trajectory.txt, a loaded map's too
 ///   loops.csv       one row per verified candidate, in the order of decision: stamp_current_ns,
 ///                   stamp_old_ns, tx, ty, tz, qx, qy, qz, qw (T_Bold_Bcurrent [m]), score,
 ///                   inliers, virtual, accepted, reason
+///   matches.csv     the matched pixels of the given loops, a row each: stamp_current_ns,
+///                   stamp_old_ns, virtual, view (of the old keyframe; -1: its real image), u_old,
+///                   v_old, u_current, v_current [px]
 /// Keyframes with an index below `first_own` (a loaded map's) are left out of the trajectories.
 /// Throws InputError when a file can't be written.
 void WriteResultFiles(const std::filesystem::path& directory,
                       const std::vector<KeyframeInfo>& keyframes,
                       int first_own,
-                      const std::vector<LoopReport>& loops);
+                      const std::vector<LoopReport>& loops,
+                      const std::vector<LoopMatches>& matches = {});
 
 }  // namespace deja_view

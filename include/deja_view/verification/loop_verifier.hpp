@@ -106,6 +106,13 @@ struct PointMatch {
   int keypoint = -1;  ///< index into the old keyframe's keypoints
 };
 
+/// An inlier as pixels, to show it.
+struct PixelMatch {
+  int camera = 0;  ///< of the old keyframe: 0 is the real one, then the rig's virtual ones
+  Eigen::Vector2f old_pixel = Eigen::Vector2f::Zero();
+  Eigen::Vector2f current_pixel = Eigen::Vector2f::Zero();
+};
+
 /// How well a virtual view and its own source image show the same.
 struct Agreement {
   int visible = 0;  ///< points of either that should be in the other's image
@@ -127,6 +134,7 @@ struct Verification {
   double gravity_disagreement = 0;        ///< [rad] before VIO's tilt enters as a prior
   int cells = 0;                          ///< the fewer of the two images' occupied cells
   std::vector<PointMatch> point_matches;  ///< inliers in the direction current point -> old image
+  std::vector<PixelMatch> pixel_matches;  ///< all inliers
 };
 
 /// Decides whether two keyframes show the same place and measures their relative pose: the current

@@ -45,6 +45,65 @@ TEST(ComputeApe, MatchesAHandWorkedAlignment) {
   EXPECT_NEAR(ape.mean, 0.1, 1e-12);
 }
 
+// The positions and numbers that test/unit/evaluation/ape_reference.py prints: numpy's singular
+// value decomposition and statistics, none of our code.
+const Points kTruth = {{0, 0, 0}, {1, 0.2, 0}, {2, 0.1, 0.5}, {3, 1, 1}, {2.5, 2, 1.5}};
+const Points kEstimate = {
+    {5, 1, 0.1}, {5.1, 2.1, 0}, {4.9, 3, 0.6}, {4.1, 4.2, 0.9}, {3, 3.5, 1.7}};
+
+void ExpectStatistics(
+    const ApeStatistics& ape, double max, double mean, double median, double min, double rmse) {
+  EXPECT_NEAR(ape.max, max, 1e-9);
+  EXPECT_NEAR(ape.mean, mean, 1e-9);
+  EXPECT_NEAR(ape.median, median, 1e-9);
+  EXPECT_NEAR(ape.min, min, 1e-9);
+  EXPECT_NEAR(ape.rmse, rmse, 1e-9);
+}
+
+TEST(ComputeApe, AgreesWithTheReference) {
+  ExpectStatistics(ComputeApe(kTruth, kEstimate),
+                   0.236083026436,
+                   0.165515143056,
+                   0.168324642887,
+                   0.116501606806,
+                   0.171626178009);
+  ExpectStatistics(ComputeApe(kTruth, kEstimate, ApeAlignment::kYaw),
+                   0.226720086460,
+                   0.167246890172,
+                   0.166841904389,
+                   0.108344177340,
+                   0.174140637844);
+  ExpectStatistics(ComputeApe(kTruth, kEstimate, ApeAlignment::kNone),
+                   5.1,
+                   3.740057526289,
+                   4.102438299353,
+                   1.593737745051,
+                   3.930903204100);
+}
+
+TEST(ComputeApe, YawLeavesATiltBe) {
+  Points tilted;
+  Points turned;
+  for (const auto& p : kTruth) {
+    tilted.push_back(Rigid3{ExpSo3({0.1, 0, 0}), {1, 2, 3}} * p);
+    turned.push_back(Rigid3{FromYaw(2.5), {1, 2, 3}} * p);
+  }
+  EXPECT_LT(ComputeApe(kTruth, tilted).max, 1e-12);
+  EXPECT_GT(ComputeApe(kTruth, tilted, ApeAlignment::kYaw).rmse, 0.02);
+  EXPECT_LT(ComputeApe(kTruth, turned, ApeAlignment::kYaw).max, 1e-12);
+}
+
+TEST(PairByStamp, TakesTheNearestOfTheLongerList) {
+  using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;
+  EXPECT_EQ(PairByStamp({10, 20, 30, 40}, {19, 33, 90}, 3), (Pairs{{1, 0}, {2, 1}}));
+  EXPECT_EQ(PairByStamp({19, 33, 90}, {10, 20, 30, 40}, 3), (Pairs{{0, 1}, {1, 2}}));
+  // As near: the earlier. Equally long lists: those of the second are looked for in the first.
+  EXPECT_EQ(PairByStamp({10, 20, 30}, {15}, 5), (Pairs{{0, 0}}));
+  EXPECT_EQ(PairByStamp({10, 12}, {11, 12}, 1), (Pairs{{0, 0}, {1, 1}}));
+  EXPECT_TRUE(PairByStamp({}, {1}, 5).empty());
+  EXPECT_TRUE(PairByStamp({1}, {}, 5).empty());
+}
+
 TEST(ComputeApe, NeedsThreePoses) {
   EXPECT_THROW(ComputeApe({{0, 0, 0}, {1, 0, 0}}, {{0, 0, 0}, {1, 0, 0}}), CheckError);
   EXPECT_THROW(ComputeApeUnaligned({}, {}), CheckError);

@@ -43,7 +43,7 @@ class TemporaryFile {
 HtmlReport FullReport() {
   HtmlReport report;
   report.runs = {Judged("plain"), Judged("with <views>")};
-  report.sweeps = {{"tfidf", {0.9, 0.5}, {1.0, 0.8}, {0.2, 0.6}}};
+  report.sweeps = {{"tfidf", {0.9, 0.5}, {1, 5}, {1, 4}, {1.0, 0.8}, {0.2, 0.6}}};
   report.evaluation = nlohmann::ordered_json::parse(R"({"variants": [
       {"name": "spacing_2_no_virtual", "command": "deja_view replay --bag a", "recall": 0.5,
        "precision": 1.0, "cpu_s": 3.25, "map_recall": null},
@@ -67,8 +67,9 @@ TEST(HtmlReport, StandsAlone) {
 
 TEST(HtmlReport, ShowsEveryPart) {
   const std::string html = ToHtml(FullReport());
-  // Two trajectories, errors, loop counts, two loop figures, sweep, spacing.
-  EXPECT_EQ(CountOf(html, "<svg class=\"figure\""), 8U);
+  // Two trajectories, errors, statistics, loop counts, detections, two loop figures, sweep,
+  // thresholds, spacing.
+  EXPECT_EQ(CountOf(html, "<svg class=\"figure\""), 11U);
   EXPECT_EQ(CountOf(html, "<svg"), CountOf(html, "</svg>"));
   EXPECT_NE(html.find("with &lt;views&gt;"), std::string::npos);
   EXPECT_EQ(html.find("with <views>"), std::string::npos);
@@ -82,7 +83,7 @@ TEST(HtmlReport, RunsAloneAreEnough) {
   report.runs = {Judged("only")};
   const std::string html = ToHtml(report);
   EXPECT_EQ(html.find("<h2>Variants"), std::string::npos);
-  EXPECT_EQ(CountOf(html, "<svg class=\"figure\""), 4U);
+  EXPECT_EQ(CountOf(html, "<svg class=\"figure\""), 6U);
   report.runs.clear();
   EXPECT_THROW(ToHtml(report), CheckError);
 }
@@ -106,12 +107,49 @@ TEST(HtmlReport, CountsLoopsOverTime) {
   EXPECT_NE(svg.find("one, 4"), std::string::npos) << "refused candidates are no loops";
 }
 
+TEST(HtmlReport, ShowsFurtherTablesAndMatches) {
+  HtmlReport report;
+  report.runs = {Judged("only")};
+  report.tables = {{"Table <2>", {{"poses", "PSNR"}, {"colmap", "27.1"}}}};
+  report.commands = {"roslaunch a b"};
+  MatchedLoop loop;
+  loop.stamp_current_ns = ExampleStamp(42);
+  loop.stamp_old_ns = ExampleStamp(2);
+  loop.pairs = {{-1, {1, 2}, {3, 4}}};
+  report.matches = {{loop}};
+  report.match_pictures[{loop.stamp_old_ns, -1}] = {"jpeg", 752, 480};
+  const std::string html = ToHtml(report);
+  EXPECT_NE(html.find("<h2>Table &lt;2&gt;</h2>"), std::string::npos);
+  EXPECT_NE(html.find("<td>27.1</td>"), std::string::npos);
+  EXPECT_NE(html.find("<code>roslaunch a b</code>"), std::string::npos);
+  EXPECT_NE(html.find("<h2>Matched images</h2>"), std::string::npos);
+  EXPECT_NE(html.find("At 21.0 s the place of 1.0 s is seen again"), std::string::npos);
+  EXPECT_EQ(CountOf(html, "<image "), 1U);
+  EXPECT_EQ(CountOf(html, "<style>"), 1U);
+}
+
+TEST(HtmlReport, ComparesDetectionsWithTheRunBefore) {
+  JudgedRun fewer = Judged("fewer");
+  fewer.run.loops.erase(fewer.run.loops.begin());
+  fewer.ends.erase(fewer.ends.begin());
+  const std::string svg = DetectionFigure({fewer, Judged("more")});
+  EXPECT_NE(svg.find("fewer, 3"), std::string::npos);
+  EXPECT_NE(svg.find("more, 4, 1 further"), std::string::npos);
+}
+
+TEST(HtmlReport, ErrorBarsNeedTruth) {
+  EXPECT_NE(ApeFigure({Judged("one")}).find("median"), std::string::npos);
+  EXPECT_TRUE(ApeFigure({Judge(ExampleRun(), {}, {})}).empty());
+}
+
 TEST(HtmlReport, ReadsSweeps) {
   const TemporaryFile file(
       "deja_view_sweep.csv",
       "r,found,correct,precision,recall\n0.9,1,1,1.0,0.25\n0.5,2,1,0.5,0.25\n");
   const Sweep sweep = ReadSweep(file.path(), "x");
   EXPECT_EQ(sweep.r, (std::vector<double>{0.9, 0.5}));
+  EXPECT_EQ(sweep.found, (std::vector<double>{1, 2}));
+  EXPECT_EQ(sweep.correct, (std::vector<double>{1, 1}));
   EXPECT_EQ(sweep.precision, (std::vector<double>{1.0, 0.5}));
   const TemporaryFile bad("deja_view_sweep_bad.csv", "r,found,correct,precision,recall\n0.9,1\n");
   try {
