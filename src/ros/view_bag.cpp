@@ -256,7 +256,9 @@ ViewReport RenderViews(
                   job.shard.index < job.shard.count);
   const BagReader bag(job.bag);
   const SourceImages all = FindSourceImages(bag, job.topics, job.sources, job.T_N_C);
-  const std::vector<SourceImage> selected = SelectSourceImages(all.images, job.options.sources);
+  const std::vector<SourceImage> selected =
+      job.source_stamps_ns.empty() ? SelectSourceImages(all.images, job.options.sources)
+                                   : SourceImagesAt(all.images, job.source_stamps_ns);
   const std::vector<SourceImage> share = ShareOf(selected, job.shard);
   const std::uint64_t job_hash = HashJob(job, bag, selected);
 

@@ -1,5 +1,7 @@
 #include "deja_view/ros/view_sources.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <map>
 #include <set>
 
@@ -102,6 +104,24 @@ std::vector<SourceImage> SelectSourceImages(const std::vector<SourceImage>& imag
     selected.push_back(images[i]);
   }
   return selected;
+}
+
+std::vector<SourceImage> SourceImagesAt(const std::vector<SourceImage>& images,
+                                        const std::vector<std::int64_t>& stamps_ns) {
+  std::set<std::int64_t> keys;
+  for (const std::int64_t stamp_ns : stamps_ns) {
+    keys.insert(KeyframeAssembler::Key(stamp_ns));
+  }
+  std::vector<SourceImage> found;
+  std::copy_if(images.begin(), images.end(), std::back_inserter(found), [&](const SourceImage& i) {
+    return keys.count(KeyframeAssembler::Key(i.stamp_ns)) > 0;
+  });
+  if (found.empty()) {
+    ThrowInputError("none of the {} images with a pose has one of the {} stamps asked for",
+                    images.size(),
+                    stamps_ns.size());
+  }
+  return found;
 }
 
 void ReadSourceImages(const BagReader& bag,

@@ -103,6 +103,12 @@ void AddInputOptions(CLI::App* sub, ViewsInput* input) {
   sub->add_option("--sources", input->sources, "Images that may get views; auto: keyframes if any")
       ->check(CLI::IsMember({"auto", "keyframes", "images"}))
       ->capture_default_str();
+  sub->add_option(
+         "--places",
+         input->places,
+         "TUM file, as replay's places.txt: views of the images at its stamps, whatever the "
+         "preset says of sources")
+      ->check(CLI::ExistingFile);
   sub->add_option("--threads", input->threads, "Threads; 0: all cores")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();

@@ -22,6 +22,7 @@ struct ViewsInput {
   std::vector<std::string> overrides;  ///< "group.key=value" on top
   std::string image_topic;             ///< empty: the camera YAML's
   std::string sources = "auto";        ///< SourceKind
+  std::filesystem::path places;  ///< TUM: only images at its stamps; empty: as the preset says
   int threads = 0;
   bool show_progress = true;
 };

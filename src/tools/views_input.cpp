@@ -2,6 +2,7 @@
 
 #include "deja_view/base/check.hpp"
 #include "deja_view/io/options_yaml.hpp"
+#include "deja_view/io/tum.hpp"
 #include "deja_view/io/vins_config.hpp"
 #include "deja_view/nerf/checkpoint.hpp"
 #include "deja_view/nerf/field_renderer.hpp"
@@ -85,6 +86,9 @@ PosedJob ReadViewsInput(const ViewsInput& input) {
   std::filesystem::path& network = job.options.rendering.network;
   network = FindNetwork(network, NetworkDirectories(preset));
   posed.poses = ReadPoses(input, config.T_B_C, &job);
+  if (!input.places.empty()) {
+    job.source_stamps_ns = ReadTum(input.places).stamps_ns;
+  }
   job.threads = input.threads;
   return posed;
 }

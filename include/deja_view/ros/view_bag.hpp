@@ -38,6 +38,9 @@ struct ViewJob {
   std::shared_ptr<const Camera> camera;
   Rigid3 T_B_C;      ///< of the VIO, whose tracked points a renderer may want
   Trajectory T_N_C;  ///< [m]
+  /// Only the images at these stamps get views, all of them; empty: those that options.sources
+  /// says.
+  std::vector<std::int64_t> source_stamps_ns;
   ViewOptions options;
   ViewContent content;
   std::string settings;  ///< all that decides what the views look like, as text; goes to the bag

@@ -56,6 +56,10 @@ SourceImages FindSourceImages(const BagReader& bag,
 std::vector<SourceImage> SelectSourceImages(const std::vector<SourceImage>& images,
                                             const SourceOptions& options);
 
+/// The images at these stamps, to within VIOs' rounding. Throws InputError when there is none.
+std::vector<SourceImage> SourceImagesAt(const std::vector<SourceImage>& images,
+                                        const std::vector<std::int64_t>& stamps_ns);
+
 /// An image of a bag, decoded.
 struct LoadedSource {
   ViewSource source;

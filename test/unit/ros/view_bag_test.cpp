@@ -181,6 +181,20 @@ TEST_F(ViewBagTest, AllImagesOrAFewOfThem) {
   EXPECT_THAT(ErrorOf([&] { Run(job_); }), HasSubstr("none of the 6 images"));
 }
 
+TEST_F(ViewBagTest, ImagesAtGivenStampsWhateverTheSpacing) {
+  job_.sources = SourceKind::kImages;
+  job_.options.sources.every_m = 100;
+  job_.source_stamps_ns = {Stamp(4), Stamp(1) + 120};
+  EXPECT_EQ(Run(job_).sources, 2);
+  std::set<std::int64_t> stamps;
+  BagReader(job_.out).Read({ViewTopics().frame}, [&](const rosbag::MessageInstance& m) {
+    stamps.insert(ToNanoseconds(Instantiate<VirtualFrame>(m)->header.stamp));
+  });
+  EXPECT_EQ(stamps, (std::set<std::int64_t>{Stamp(1), Stamp(4)}));
+  job_.source_stamps_ns = {Stamp(0) - 50 * kMillisecond};
+  EXPECT_THAT(ErrorOf([&] { Run(job_); }), HasSubstr("none of the 6 images"));
+}
+
 TEST_F(ViewBagTest, GoesOnWhereItWasKilled) {
   Run(job_);
   const std::string whole = Bytes(job_.out);
