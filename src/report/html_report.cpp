@@ -17,7 +17,8 @@ namespace {
 constexpr std::size_t kRunsInFull = 4;
 constexpr std::size_t kMostRuns = 4;  ///< in one figure: each has its colour
 
-// Tables scroll on their own on a narrow screen, figures shrink with it.
+// On a narrow screen figures shrink as far as their text can be read; they and tables scroll on
+// their own, so that the page need not.
 constexpr const char* kPageStyle =
     ":root{color-scheme:light dark;--page:#fff;--text:#1f2328;--muted:#59636e;--line:#d8dde3}\n"
     "@media (prefers-color-scheme:dark){:root{--page:#0d1117;--text:#e6edf3;--muted:#9198a1;"
@@ -26,7 +27,9 @@ constexpr const char* kPageStyle =
     "font:15px/1.5 Inter,system-ui,-apple-system,'Segoe UI',Roboto,'DejaVu Sans',sans-serif}\n"
     "h1{font-size:24px}h2{font-size:19px;margin-top:36px}\n"
     "svg.figure,img{max-width:100%;height:auto;display:block}\n"
-    "figure{margin:12px 0}figcaption{color:var(--muted);font-size:13px}\n"
+    "figure{margin:12px 0;overflow-x:auto}\n"
+    "@media (max-width:760px){svg.figure{min-width:720px}}\n"
+    "figcaption{color:var(--muted);font-size:13px}\n"
     ".wide{overflow-x:auto}\n"
     "table{border-collapse:collapse;font-variant-numeric:tabular-nums;font-size:13px}\n"
     "th,td{padding:4px 10px;border-bottom:1px solid var(--line);text-align:right;"
