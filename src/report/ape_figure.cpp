@@ -82,7 +82,7 @@ std::string ApeFigure(const std::vector<JudgedRun>& runs) {
   }
   for (std::size_t k = 0; k < kStatistics.size(); ++k) {
     svg.AddText("small muted",
-                plot.ToPixel(static_cast<double>(k) + 0.5, 0) + Point(0, 34),
+                plot.ToPixel(static_cast<double>(k) + 0.5, 0) + Point(0, 20),
                 kStatistics.at(k).name,
                 Anchor::kMiddle);
   }

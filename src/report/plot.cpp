@@ -90,26 +90,26 @@ void Plot::DrawAxes(const std::string& x_name, const std::string& y_name, Svg* s
   constexpr double kPixelsPerXTick = 90;
   constexpr double kPixelsPerYTick = 45;
   std::vector<std::pair<Point, Point>> grid;
-  const double x_step = TickStep(x_, std::max(2, static_cast<int>(size_.x() / kPixelsPerXTick)));
-  for (const double tick : Ticks(x_, x_step)) {
-    const double x = ToPixel(tick, y_.min).x();
-    grid.emplace_back(Point(x, top()), Point(x, bottom()));
-    svg->AddText("small muted", {x, bottom() + 18}, TickLabel(tick, x_step), Anchor::kMiddle);
-  }
-  const double y_step = TickStep(y_, std::max(2, static_cast<int>(size_.y() / kPixelsPerYTick)));
-  for (const double tick : Ticks(y_, y_step)) {
-    const double y = ToPixel(x_.min, tick).y();
-    grid.emplace_back(Point(left(), y), Point(right(), y));
-    svg->AddText("small muted", {left() - 8, y + 4}, TickLabel(tick, y_step), Anchor::kEnd);
-  }
-  svg->AddSegments("grid", grid);
-  svg->AddLine("axis", {left(), bottom()}, {right(), bottom()});
   if (!x_name.empty()) {
+    const double step = TickStep(x_, std::max(2, static_cast<int>(size_.x() / kPixelsPerXTick)));
+    for (const double tick : Ticks(x_, step)) {
+      const double x = ToPixel(tick, y_.min).x();
+      grid.emplace_back(Point(x, top()), Point(x, bottom()));
+      svg->AddText("small muted", {x, bottom() + 18}, TickLabel(tick, step), Anchor::kMiddle);
+    }
     svg->AddText("small muted", {right(), bottom() + 36}, x_name, Anchor::kEnd);
   }
   if (!y_name.empty()) {
+    const double step = TickStep(y_, std::max(2, static_cast<int>(size_.y() / kPixelsPerYTick)));
+    for (const double tick : Ticks(y_, step)) {
+      const double y = ToPixel(x_.min, tick).y();
+      grid.emplace_back(Point(left(), y), Point(right(), y));
+      svg->AddText("small muted", {left() - 8, y + 4}, TickLabel(tick, step), Anchor::kEnd);
+    }
     svg->AddVerticalText("small muted", {left() - 46, 0.5 * (top() + bottom())}, y_name);
   }
+  svg->AddSegments("grid", grid);
+  svg->AddLine("axis", {left(), bottom()}, {right(), bottom()});
 }
 
 double TextWidth(std::string_view text) {

@@ -43,7 +43,8 @@ class Plot {
   Point ToPixel(double x, double y) const;
   std::vector<Point> ToPixels(const std::vector<double>& x, const std::vector<double>& y) const;
 
-  /// Grid, axes, tick labels and the axes' names, of which each may be empty.
+  /// Grid, axes, tick labels and the axes' names; an axis without a name has neither grid nor
+  /// labels.
   void DrawAxes(const std::string& x_name, const std::string& y_name, Svg* svg) const;
 
  private:

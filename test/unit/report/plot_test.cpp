@@ -57,9 +57,17 @@ TEST(PlotTest, CopesWithEmptyAndPointLikeRanges) {
   const Plot plot({0, 0}, {100, 100}, {}, {3, 3, false});
   EXPECT_TRUE(plot.ToPixel(0.5, 3).isApprox(Point(50, 50)));
   Svg svg(100, 100, "", "");
-  plot.DrawAxes("x & y", "", &svg);
+  plot.DrawAxes("x & y", "z", &svg);
   EXPECT_THAT(svg.ToString(), HasSubstr("x &amp; y"));
   EXPECT_THAT(svg.ToString(), Not(HasSubstr("nan")));
+}
+
+TEST(PlotTest, AnAxisWithoutANameHasNoTicks) {
+  const Plot plot({0, 0}, {100, 100}, {0, 1, false}, {0, 1, false});
+  Svg svg(100, 100, "", "");
+  plot.DrawAxes("", "", &svg);
+  EXPECT_THAT(svg.ToString(), Not(HasSubstr("<text")));
+  EXPECT_THAT(svg.ToString(), HasSubstr("class=\"axis\""));
 }
 
 TEST(PlotTest, CountsCharactersNotBytes) {
