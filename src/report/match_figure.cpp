@@ -146,10 +146,12 @@ std::string MatchFigure(const MatchedLoop& loop, const Pictures& pictures, std::
                ? std::string("an earlier flight")
                : fmt::format("{:.1f} s", 1e-9 * static_cast<double>(stamp_ns - start_ns));
   };
-  const std::string title = fmt::format("At {} the place of {} is seen again: {}",
-                                        seconds(loop.stamp_current_ns),
-                                        seconds(loop.stamp_old_ns),
-                                        Count(static_cast<int>(loop.pairs.size()), "inlier"));
+  const std::string title =
+      fmt::format("At {} the place of {} is seen again: {}",
+                  seconds(loop.stamp_current_ns),
+                  seconds(loop.stamp_old_ns),
+                  Count(static_cast<int>(loop.pairs.size()), "inlier")) +
+      (loop.BestView() >= 0 ? " in the real image and the virtual views" : "");
   Svg svg(2 * kPanel + kGap, y, title, "Inliers joined by lines; the old image is on the left.");
   svg.AddText("title", {0, 20}, title);
   for (const Row& row : rows) {
