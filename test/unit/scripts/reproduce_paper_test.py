@@ -57,6 +57,9 @@ elif command == "evaluate":
     entry.update({f"{p}ape_{k}_m": 0.1 for p in ("", "vio_") for k in ("max", "mean", "rmse", "min", "median")})
     variants = [dict(entry, name=name, cpu_s=2.5 if "virtual_paper" in name else 2.0) for name in names]
     write(os.path.join(value("--out"), "evaluation.json"), {"variants": variants})
+elif command == "views_render":
+    write(value("--json"), {"views": 0 if os.path.exists(os.path.join(here, "poor")) else 30})
+    write(value("--out"), {})
 else:
     write(value("--html") if command == "report" else value("--out"), {})
 """
@@ -152,6 +155,12 @@ class ReproducePaper(unittest.TestCase):
         before = len(self.calls())
         self.assertEqual(self.run_script("--quick")[0], 0)
         self.assertEqual([words[0] for words in self.calls()[before:]], ["views", "evaluate", "report"])
+
+    def test_a_field_without_views_is_told(self):
+        self.write("poor", "")
+        code, said = self.run_script("--quick")
+        self.assertEqual(code, 1)
+        self.assertIn("holds no virtual view, since the field is too poor", said)
 
     def test_further_sources_of_poses(self):
         self.write("maplab.txt", "1 0 0 0 0 0 0 1\n")
