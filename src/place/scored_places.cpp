@@ -30,7 +30,7 @@ ScoredPlaces::ScoredPlaces(const ScoringOptions& options,
     : options_(options), vocabulary_(std::move(vocabulary)), postings_(vocabulary_->word_count()) {
   if (options_.weights == WordWeighting::kSynonym) {
     kernel_ = std::make_shared<SynonymKernel>(
-        *vocabulary_, options_.synonym_radius, options_.synonym_sigma);
+        vocabulary_, options_.synonym_radius, options_.synonym_sigma);
   }
 }
 
@@ -110,9 +110,8 @@ std::vector<ScoredPlace> ScoredPlaces::Query(const WeightedBow& query,
 }
 
 std::size_t ScoredPlaces::memory_bytes() const {
-  std::size_t bytes = entries_.capacity() * sizeof(Entry) +
-                      postings_.capacity() * sizeof(std::vector<Posting>) +
-                      (kernel_ ? kernel_->memory_bytes() : 0);
+  std::size_t bytes =
+      entries_.capacity() * sizeof(Entry) + postings_.capacity() * sizeof(std::vector<Posting>);
   for (const Entry& entry : entries_) {
     bytes += entry.words.capacity() * sizeof(WeightedWord);
   }

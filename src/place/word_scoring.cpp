@@ -1,11 +1,11 @@
 #include "deja_view/place/word_scoring.hpp"
 
 #include "deja_view/base/check.hpp"
-#include "deja_view/base/parallel.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace deja_view {
 namespace {
@@ -53,32 +53,6 @@ WeightedBow Scaled(const WeightedBow& bow, double factor) {
   return scaled;
 }
 
-/// S_bar of a word (Eq. 10).
-double Expectation(double weight, double sum) {
-  return 1.0 / (1.0 - std::min(kMostImportance, weight / sum));
-}
-
-/// Mean of S_bar over the image's words, weighted by their likeness to `word`.
-double SynonymFactor(WordId word,
-                     const WeightedBow& tf_idf,
-                     double sum,
-                     const SynonymKernel& kernel) {
-  double weighted = 0;
-  double total = 0;
-  auto in_image = tf_idf.begin();
-  for (const auto* synonym = kernel.begin(word); synonym != kernel.end(word); ++synonym) {
-    in_image = std::lower_bound(
-        in_image, tf_idf.end(), synonym->word, [](const WeightedWord& w, WordId wanted) {
-          return w.word < wanted;
-        });
-    if (in_image != tf_idf.end() && in_image->word == synonym->word) {
-      weighted += synonym->weight * Expectation(in_image->weight, sum);
-      total += synonym->weight;
-    }
-  }
-  return weighted / total;
-}
-
 }  // namespace
 
 WeightedBow TfIdf(const BowVector& bow, const std::function<double(WordId)>& idf) {
@@ -91,36 +65,49 @@ WeightedBow TfIdf(const BowVector& bow, const std::function<double(WordId)>& idf
   return weighted;
 }
 
-SynonymKernel::SynonymKernel(const Vocabulary& vocabulary, int radius, double sigma, int threads) {
+SynonymKernel::SynonymKernel(std::shared_ptr<const Vocabulary> vocabulary, int radius, double sigma)
+    : vocabulary_(std::move(vocabulary)) {
+  DEJA_VIEW_CHECK(vocabulary_ != nullptr);
   DEJA_VIEW_CHECK_OP(radius, >=, 0);
   DEJA_VIEW_CHECK_OP(sigma, >, 0.0);
-  const std::size_t words = vocabulary.word_count();
-  std::vector<Descriptor> centroids(words);
-  for (std::size_t word = 0; word < words; ++word) {
-    centroids[word] = vocabulary.Centroid(static_cast<WordId>(word));
-  }
-  std::vector<std::vector<Synonym>> rows(words);
-  ParallelFor(threads, words, [&](std::size_t first, std::size_t last) {
-    for (std::size_t a = first; a < last; ++a) {
-      for (std::size_t b = 0; b < words; ++b) {
-        const int distance = HammingDistance(centroids[a], centroids[b]);
-        if (distance <= radius) {
-          const double scaled = a == b ? 0.0 : distance / sigma;
-          rows[a].push_back({static_cast<WordId>(b), std::exp(-0.5 * scaled * scaled)});
-        }
-      }
-    }
-  });
-  begin_.reserve(words + 1);
-  begin_.push_back(0);
-  for (const auto& row : rows) {
-    entries_.insert(entries_.end(), row.begin(), row.end());
-    begin_.push_back(entries_.size());
+  for (int distance = 0; distance <= radius; ++distance) {
+    const double scaled = distance / sigma;
+    weights_.push_back(std::exp(-0.5 * scaled * scaled));
   }
 }
 
-std::size_t SynonymKernel::memory_bytes() const {
-  return begin_.capacity() * sizeof(std::size_t) + entries_.capacity() * sizeof(Synonym);
+double SynonymKernel::operator()(WordId a, WordId b) const {
+  const auto distance = static_cast<std::size_t>(
+      a == b ? 0 : HammingDistance(vocabulary_->Centroid(a), vocabulary_->Centroid(b)));
+  return distance < weights_.size() ? weights_[distance] : 0.0;
+}
+
+std::vector<double> SynonymKernel::Average(const WeightedBow& bow,
+                                           const std::vector<double>& values) const {
+  DEJA_VIEW_CHECK_OP(bow.size(), ==, values.size());
+  std::vector<Descriptor> centroids;
+  centroids.reserve(bow.size());
+  for (const WeightedWord& w : bow) {
+    centroids.push_back(vocabulary_->Centroid(w.word));
+  }
+  std::vector<double> sums = values;
+  std::vector<double> totals(bow.size(), 1.0);
+  for (std::size_t i = 0; i < bow.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const auto distance = static_cast<std::size_t>(HammingDistance(centroids[i], centroids[j]));
+      if (distance < weights_.size()) {
+        const double k = weights_[distance];
+        sums[i] += k * values[j];
+        sums[j] += k * values[i];
+        totals[i] += k;
+        totals[j] += k;
+      }
+    }
+  }
+  for (std::size_t i = 0; i < bow.size(); ++i) {
+    sums[i] /= totals[i];
+  }
+  return sums;
 }
 
 WeightedBow WeighWords(const WeightedBow& tf_idf,
@@ -131,22 +118,30 @@ WeightedBow WeighWords(const WeightedBow& tf_idf,
     return tf_idf;
   }
   DEJA_VIEW_CHECK(weighting != WordWeighting::kSynonym || kernel != nullptr);
-  WeightedBow weighted = tf_idf;
-  for (WeightedWord& w : weighted) {
+  std::vector<double> factors;
+  for (const WeightedWord& w : tf_idf) {
     const double p = std::min(kMostImportance, w.weight / sum);
     switch (weighting) {
       case WordWeighting::kTfidf:
+        factors.push_back(1.0);
         break;
       case WordWeighting::kPrinted:
-        w.weight *= (1.0 - p) / (2.0 - p);
+        factors.push_back((1.0 - p) / (2.0 - p));
         break;
       case WordWeighting::kText:
-        w.weight /= 2.0 - p;
+        factors.push_back(1.0 / (2.0 - p));
         break;
       case WordWeighting::kSynonym:
-        w.weight *= SynonymFactor(w.word, tf_idf, sum, *kernel);
+        factors.push_back(1.0 / (1.0 - p));  // S_bar
         break;
     }
+  }
+  if (weighting == WordWeighting::kSynonym) {
+    factors = kernel->Average(tf_idf, factors);
+  }
+  WeightedBow weighted = tf_idf;
+  for (std::size_t i = 0; i < weighted.size(); ++i) {
+    weighted[i].weight *= factors[i];
   }
   return weighted;
 }

@@ -2,6 +2,7 @@
 
 #include "deja_view/evaluation/ape.hpp"
 #include "deja_view/evaluation/loop_score.hpp"
+#include "deja_view/evaluation/relocalisation.hpp"
 #include "deja_view/evaluation/threshold_sweep.hpp"
 #include "deja_view/geometry/trajectory.hpp"
 #include "deja_view/pipeline/loop_closer.hpp"
@@ -68,6 +69,7 @@ struct ReplayResult {
   /// Keyframes near a place of the loaded map by the criteria, and those with a correct loop to it.
   int map_revisits = 0;
   int map_revisits_found = 0;
+  std::optional<RelocalisationCurve> relocalisation;  ///< with a loaded map
   /// Places told by score alone, without geometry: the paper's Fig. 20.
   std::vector<SweepPoint> detections;
   double recall_at_precision_1 = 0;  ///< of the loops, when only those of a score from some r count

@@ -107,6 +107,28 @@ void JudgeMap(const ReplayRequest& request,
     result->map_revisits += is_revisit ? 1 : 0;
     result->map_revisits_found += is_revisit && is_found[current] ? 1 : 0;
   }
+  if (map_end > 0) {
+    std::vector<TrueKeyframe> places;
+    for (std::size_t old = 0; old < map_end; ++old) {
+      if (result->keyframes[old].is_place) {
+        places.push_back(keyframes[old]);
+      }
+    }
+    const auto first = static_cast<std::ptrdiff_t>(map_end);
+    result->relocalisation = MakeRelocalisationCurve(places,
+                                                     {keyframes.begin() + first, keyframes.end()},
+                                                     {is_found.begin() + first, is_found.end()},
+                                                     T_B_C);
+  }
+}
+
+nlohmann::ordered_json BinsToJson(const std::vector<RelocalisationBin>& bins) {
+  auto json = nlohmann::ordered_json::array();
+  for (const RelocalisationBin& bin : bins) {
+    json.push_back(
+        {{"from", bin.from}, {"to", bin.to}, {"keyframes", bin.keyframes}, {"found", bin.found}});
+  }
+  return json;
 }
 
 }  // namespace
@@ -184,6 +206,11 @@ nlohmann::ordered_json ToJson(const ReplayResult& r) {
   json["map_recall"] = r.map_revisits > 0
                            ? nlohmann::ordered_json(1.0 * r.map_revisits_found / r.map_revisits)
                            : nlohmann::ordered_json(nullptr);
+  json["relocalisation"] = nullptr;
+  if (r.relocalisation) {
+    json["relocalisation"] = {{"by_distance_m", BinsToJson(r.relocalisation->by_distance)},
+                              {"by_angle_deg", BinsToJson(r.relocalisation->by_angle)}};
+  }
   const SweepPoint detection = PickThreshold(r.detections, 1.0);
   const bool is_detecting = detection.found > 0;
   json["recall_at_precision_1"] =

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -48,28 +49,26 @@ using WeightedBow = std::vector<WeightedWord>;
 /// image. In [0, max idf].
 WeightedBow TfIdf(const BowVector& bow, const std::function<double(WordId)>& idf);
 
-/// Which words mean nearly the same: all pairs of centroids within `radius` bits, with
-/// k = exp(-(d / sigma)^2 / 2). Sparse and immutable; made once per vocabulary.
+/// Which words mean nearly the same: k = exp(-(d / sigma)^2 / 2) of the Hamming distance d of their
+/// centroids, 1 for a word and itself, 0 beyond `radius` bits.
+///
+/// Eq. 8 asks for k among the words of one image only, some hundreds. They are compared when they
+/// are needed, about a millisecond per image; a table of all pairs of a vocabulary's 100 000 words
+/// takes minutes and 500 MB. Const methods may be called from several threads.
 class SynonymKernel {
  public:
-  struct Synonym {
-    WordId word = 0;
-    double weight = 0;  ///< in (0, 1]; 1 for the word itself
-  };
+  SynonymKernel(std::shared_ptr<const Vocabulary> vocabulary, int radius, double sigma);
 
-  /// Compares all pairs of words on `threads` threads (0: all cores); about a second for 30 000
-  /// words. The result does not depend on the number of threads.
-  SynonymKernel(const Vocabulary& vocabulary, int radius, double sigma, int threads = 0);
+  /// In [0, 1].
+  double operator()(WordId a, WordId b) const;
 
-  /// The word itself and its synonyms, sorted by word.
-  const Synonym* begin(WordId word) const { return entries_.data() + begin_.at(word); }
-  const Synonym* end(WordId word) const { return entries_.data() + begin_.at(word + 1); }
-  std::size_t size() const { return entries_.size(); }
-  std::size_t memory_bytes() const;
+  /// sum_i k(i, j) values_i / sum_i k(i, j) for each word j, over all words i of the bag. One value
+  /// per word of `bow`.
+  std::vector<double> Average(const WeightedBow& bow, const std::vector<double>& values) const;
 
  private:
-  std::vector<std::size_t> begin_;
-  std::vector<Synonym> entries_;
+  std::shared_ptr<const Vocabulary> vocabulary_;
+  std::vector<double> weights_;  ///< by distance, up to the radius
 };
 
 /// Eq. 8 and 10 over an image's TF-IDF weights. `kernel` is needed for kSynonym only. p_j is cut at

@@ -44,8 +44,7 @@ TEST_P(ScoredPlacesOf, GivesWhatTheEquationsGive) {
       places.Add(id, views.back(), 1);
     }
   }
-  const SynonymKernel kernel(*vocabulary, options.synonym_radius, options.synonym_sigma, 1);
-  EXPECT_GT(kernel.size(), vocabulary->word_count());
+  const SynonymKernel kernel(vocabulary, options.synonym_radius, options.synonym_sigma);
   const auto weigh = [&](const BowVector& bow) {
     return WeighWords(
         TfIdf(bow, [&](WordId w) { return double{vocabulary->Idf(w)}; }), GetParam(), &kernel);

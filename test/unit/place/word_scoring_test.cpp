@@ -78,22 +78,46 @@ std::shared_ptr<const Vocabulary> FourWords() {
 }
 
 TEST(WordScoring, SynonymsAreCloseCentroids) {
-  const SynonymKernel kernel(*FourWords(), 32, 10.0, 1);
-  const auto row = [&](WordId word) {
-    return std::vector<SynonymKernel::Synonym>(kernel.begin(word), kernel.end(word));
-  };
-  ASSERT_EQ(row(0).size(), 3U);
-  EXPECT_EQ(row(0)[0].weight, 1.0);
-  EXPECT_NEAR(row(0)[1].weight, std::exp(-0.5), kTight);
-  EXPECT_NEAR(row(0)[2].weight, std::exp(-4.5), kTight);
-  ASSERT_EQ(row(1).size(), 2U);  // 2 is 40 bits away
-  ASSERT_EQ(row(3).size(), 1U);
-  EXPECT_EQ(row(3)[0].word, 3U);
-  EXPECT_EQ(kernel.size(), 3U + 2U + 2U + 1U);
+  const SynonymKernel kernel(FourWords(), 32, 10.0);
+  EXPECT_EQ(kernel(0, 0), 1.0);
+  EXPECT_NEAR(kernel(0, 1), std::exp(-0.5), kTight);
+  EXPECT_NEAR(kernel(2, 0), std::exp(-4.5), kTight);
+  EXPECT_EQ(kernel(1, 2), 0.0);  // 40 bits
+  EXPECT_EQ(kernel(0, 3), 0.0);
+  EXPECT_THROW(kernel.Average({{0, 1.0}}, {}), CheckError);
+}
+
+TEST(WordScoring, SynonymsOfOneImageAsOfAllPairs) {
+  const auto vocabulary = Vocabulary::FromTree(test::RandomTree(8, 3, 5));
+  const SynonymKernel kernel(vocabulary, 118, 60.0);
+  std::mt19937 rng(7);
+  std::uniform_real_distribution<double> uniform(1, 3);
+  WeightedBow image;
+  std::vector<double> values;
+  for (WordId word = 1; word < vocabulary->word_count(); word += 1 + word % 3) {
+    image.push_back({word, 1.0});
+    values.push_back(uniform(rng));
+  }
+  const std::vector<double> averages = kernel.Average(image, values);
+  int synonyms = 0;
+  for (std::size_t j = 0; j < image.size(); ++j) {
+    double sum = 0;
+    double total = 0;
+    for (std::size_t i = 0; i < image.size(); ++i) {
+      const int d =
+          HammingDistance(vocabulary->Centroid(image[i].word), vocabulary->Centroid(image[j].word));
+      const double k = i == j ? 1.0 : d <= 118 ? std::exp(-0.5 * d * d / 3600.0) : 0.0;
+      synonyms += i != j && k > 0 ? 1 : 0;
+      sum += k * values[i];
+      total += k;
+    }
+    ASSERT_NEAR(averages[j], sum / total, 1e-9);
+  }
+  EXPECT_GT(synonyms, 100);
 }
 
 TEST(WordScoring, WordsGainFromImportantSynonyms) {
-  const SynonymKernel kernel(*FourWords(), 32, 10.0, 1);
+  const SynonymKernel kernel(FourWords(), 32, 10.0);
   // p = 0.1, 0.6, 0.3: S_bar = 10/9, 5/2, 10/7. Word 0 has the important synonym 1; 3 has none.
   const WeightedBow image = {{0, 1.0}, {1, 6.0}, {3, 3.0}};
   const WeightedBow weighted = WeighWords(image, WordWeighting::kSynonym, &kernel);
@@ -106,7 +130,7 @@ TEST(WordScoring, WordsGainFromImportantSynonyms) {
 }
 
 TEST(WordScoring, AnImageOfOneWordHasFiniteWeights) {
-  const SynonymKernel kernel(*FourWords(), 32, 10.0, 1);
+  const SynonymKernel kernel(FourWords(), 32, 10.0);
   for (const auto& [weighting, name] : EnumNames<WordWeighting>::kNames) {
     const WeightedBow weighted = WeighWords({{1, 4.0}}, weighting, &kernel);
     EXPECT_TRUE(std::isfinite(weighted[0].weight)) << name;
