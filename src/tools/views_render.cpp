@@ -2,6 +2,7 @@
 #include "deja_view/base/progress.hpp"
 #include "deja_view/io/options_yaml.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <optional>
 
@@ -105,6 +106,10 @@ Json RunViewsRender(const ViewsRenderRequest& request) {
   if (request.renderer == "warp") {
     // An image does not show what is beside it: only its own path could be called free.
     job.options.gate.free_space = false;
+    // Its ranges are guessed between few points: what is asked of a field would leave hardly a
+    // view.
+    job.options.gate.max_depth_sigma = std::max(0.3, job.options.gate.max_depth_sigma);
+    job.options.gate.min_certain_share = std::min(0.5, job.options.gate.min_certain_share);
   }
   job.settings = DescribeSettings(request, job.options);
   SourceProgress progress(request.input.show_progress);
