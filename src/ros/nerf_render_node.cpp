@@ -225,7 +225,7 @@ void NerfRenderNode::Render(const PosedSource& posed) {
   }
   for (const VirtualView& view : made.views) {
     publisher_.publish(
-        ToVirtualFrame(view, posed.frame_id, {ImageFormat::kJpeg, options_.jpeg_quality}));
+        ToVirtualFrame(view, posed.frame_id, {options_.image_format, options_.jpeg_quality}));
     ++views_;
   }
 }

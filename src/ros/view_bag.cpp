@@ -84,8 +84,8 @@ void MakeOne(const ViewJob& job,
   result.stamp_ns = loaded.source.stamp_ns;
   result.recorded_ns = loaded.recorded_ns;
   for (const VirtualView& view : made.views) {
-    result.frames.push_back(
-        ToVirtualFrame(view, loaded.frame_id, {ImageFormat::kJpeg, job.options.jpeg_quality}));
+    result.frames.push_back(ToVirtualFrame(
+        view, loaded.frame_id, {job.options.image_format, job.options.jpeg_quality}));
   }
   result.is_recognised = made.is_recognised;
   result.not_free = made.not_free;

@@ -1,23 +1,11 @@
 #pragma once
 
 #include "deja_view/VirtualFrame.h"
-#include "deja_view/base/enum_names.hpp"
 #include "deja_view/views/virtual_view.hpp"
 
-#include <array>
 #include <string>
-#include <utility>
 
 namespace deja_view {
-
-/// How the image of a view is compressed in its message.
-enum class ImageFormat { kJpeg, kPng };
-
-template <>
-struct EnumNames<ImageFormat> {
-  static constexpr std::array<std::pair<ImageFormat, const char*>, 2> kNames = {
-      {{ImageFormat::kJpeg, "jpeg"}, {ImageFormat::kPng, "png"}}};
-};
 
 struct VirtualFrameEncoding {
   ImageFormat image_format = ImageFormat::kJpeg;

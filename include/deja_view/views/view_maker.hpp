@@ -40,8 +40,9 @@ struct ViewOptions {
   ViewExposure exposure = ViewExposure::kSource;
   double fit_scale = 0.25;       ///< size of the small render that is compared with the real image
   double min_correlation = 0.5;  ///< between the two; below it the model does not show that place
-  int jpeg_quality = 85;         ///< of the images; 54 kB for 752 x 480 px
-  FeatureOptions features;       ///< of the features, where they are wanted
+  ImageFormat image_format = ImageFormat::kJpeg;
+  int jpeg_quality = 85;    ///< of the images; 54 kB for 752 x 480 px
+  FeatureOptions features;  ///< of the features, where they are wanted
 
   /// Violations, one line each.
   std::vector<std::string> Validate() const;
@@ -56,6 +57,7 @@ struct ViewOptions {
     v("exposure", exposure);
     v("fit_scale", fit_scale);
     v("min_correlation", min_correlation);
+    v("image_format", image_format);
     v("jpeg_quality", jpeg_quality);
     v("features", features);
   }

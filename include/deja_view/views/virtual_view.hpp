@@ -1,17 +1,29 @@
 #pragma once
 
+#include "deja_view/base/enum_names.hpp"
 #include "deja_view/camera/camera.hpp"
 #include "deja_view/features/types.hpp"
 #include "deja_view/geometry/rigid3.hpp"
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
 
 namespace deja_view {
+
+/// How the image of a view is compressed in its message.
+enum class ImageFormat { kJpeg, kPng };
+
+template <>
+struct EnumNames<ImageFormat> {
+  static constexpr std::array<std::pair<ImageFormat, const char*>, 2> kNames = {
+      {{ImageFormat::kJpeg, "jpeg"}, {ImageFormat::kPng, "png"}}};
+};
 
 /// Features of a virtual view that were extracted offline, so that a drone need not. All lists have
 /// the same length.
