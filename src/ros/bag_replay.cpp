@@ -188,6 +188,9 @@ ReplayReport ReplayBag(const std::filesystem::path& bag,
   if (!virtual_bag.empty()) {
     views.emplace(virtual_bag);
     views->RequireTopic(topics.virtual_frame, {"deja_view/VirtualFrame"});
+    if (!callbacks.on_virtual_view) {
+      views.reset();
+    }
   }
   Replay replay(topics, options, callbacks);
   replay.AddHandlers(reader, views ? *views : reader);

@@ -58,7 +58,8 @@ ReplayReport ReplayBag(const std::filesystem::path& bag,
                        const KeyframeAssemblerOptions& options,
                        const ReplayCallbacks& callbacks);
 
-/// The same with the virtual views of another bag in place of the first one's.
+/// The same with the virtual views of another bag in place of the first one's; they are not read
+/// without `callbacks.on_virtual_view`.
 ReplayReport ReplayBag(const std::filesystem::path& bag,
                        const std::filesystem::path& virtual_bag,
                        const VioTopics& topics,

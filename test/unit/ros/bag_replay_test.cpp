@@ -1,5 +1,6 @@
 #include "deja_view/ros/bag_replay.hpp"
 
+#include "deja_view/VirtualFrame.h"
 #include "deja_view/ros/bag_reader.hpp"
 
 #include <cstdlib>
@@ -61,6 +62,19 @@ TEST_F(BagReplayTest, HandsOverKeyframesInOrder) {
     EXPECT_EQ(keyframes_[i].points.size(), i);
   }
   EXPECT_THAT(calibrations_, ElementsAre(::testing::Pair(0U, 0.25), ::testing::Pair(10U, 0.5)));
+}
+
+TEST_F(BagReplayTest, ReadsAnotherBagsViewsOnlyWhereTheyAreWanted) {
+  BagWriter views(Path("views.bag"));
+  views.Write(topics_.virtual_frame, kStart, VirtualFrame());
+  views.Close();
+  const fs::path flight = WriteFlight("a.bag", 3);
+  ReplayCallbacks callbacks = Callbacks();
+  EXPECT_EQ(ReplayBag(flight, Path("views.bag"), topics_, {}, callbacks).messages, 15);
+  EXPECT_THAT(problems_, IsEmpty());
+  callbacks.on_virtual_view = [](const VirtualView&) {};
+  EXPECT_EQ(ReplayBag(flight, Path("views.bag"), topics_, {}, callbacks).bad_messages, 1);
+  EXPECT_THAT(problems_, ElementsAre(HasSubstr(topics_.virtual_frame)));
 }
 
 TEST_F(BagReplayTest, GoesOnAfterMessagesThatCannotBeUsed) {
