@@ -249,21 +249,15 @@ void LoopCloser::Impl::AddViewPlaces(int keyframe, std::vector<NearbyPlace>* aro
 
 // The most similar keyframes, each as similar as the most similar of its images.
 std::vector<RetrievedPlace> LoopCloser::Impl::RetrieveFast(int newest) const {
-  const int wanted = options.candidates.retrieved;
   PlaceQuery query;
-  query.max_results = wanted * static_cast<int>(1 + most_views_);
+  query.max_results = options.candidates.retrieved;
   query.max_id = newest;
   query.min_score = options.candidates.min_score;
+  query.best_per_id = true;
   std::vector<RetrievedPlace> retrieved;
   for (const PlaceMatch& match : places.Query(keyframes.back().bow, query)) {
-    const bool is_known =
-        std::any_of(retrieved.begin(), retrieved.end(), [&](const RetrievedPlace& place) {
-          return place.keyframe == match.id;
-        });
-    if (!is_known && static_cast<int>(retrieved.size()) < wanted) {
-      const StoredKeyframe& k = keyframes[static_cast<std::size_t>(match.id)];
-      retrieved.push_back({match.id, match.score, k.sequence, k.stamp_ns});
-    }
+    const StoredKeyframe& k = keyframes[static_cast<std::size_t>(match.id)];
+    retrieved.push_back({match.id, match.score, k.sequence, k.stamp_ns});
   }
   return retrieved;
 }
@@ -351,22 +345,17 @@ std::vector<Candidate> LoopCloser::Impl::FindCandidates(KeyframeReport* report) 
 }
 
 LoopReport LoopCloser::Impl::VerifyCandidate(const Candidate& candidate,
+                                             bool with_views,
                                              Verification* verification) const {
   const auto old = static_cast<std::size_t>(candidate.keyframe);
   const std::size_t current = keyframes.size() - 1;
-  *verification = verifier.Verify(keyframes[current].features,
-                                  graph.nodes()[current].T_W_B.q,
-                                  keyframes[old].features,
-                                  graph.nodes()[old].T_W_B.q);
+  *verification = verifier.VerifyRig(keyframes[current].features,
+                                     graph.nodes()[current].T_W_B.q,
+                                     keyframes[old].features,
+                                     graph.nodes()[old].T_W_B.q,
+                                     with_views ? RigOf(old) : std::vector<RigCamera>());
   LoopReport report;
-  if (verification->reason != RejectReason::kNone && !keyframes[old].views.empty()) {
-    *verification = verifier.VerifyRig(keyframes[current].features,
-                                       graph.nodes()[current].T_W_B.q,
-                                       keyframes[old].features,
-                                       graph.nodes()[old].T_W_B.q,
-                                       RigOf(old));
-    report.is_virtual = true;
-  }
+  report.is_virtual = with_views;
   report.current = static_cast<int>(current);
   report.old = candidate.keyframe;
   report.stamp_current_ns = keyframes[current].stamp_ns;
@@ -411,46 +400,72 @@ LoopMatches LoopCloser::Impl::MakeMatches(const LoopReport& loop,
   return matches;
 }
 
+bool LoopCloser::Impl::TakeVerified(LoopReport loop,
+                                    const Verification& verification,
+                                    KeyframeReport* report) {
+  PoseGraphLoop edge;
+  edge.from = loop.old;
+  edge.to = loop.current;
+  edge.T_from_to = loop.T_Bold_Bcurrent;
+  edge.covariance = loop.covariance;
+  reports.push_back(loop);
+  const auto believed = consistency.Add(edge, static_cast<int>(reports.size()) - 1, graph);
+  const bool is_believed = consistency.last_state() == LoopConsistency::State::kAccepted;
+  if (!is_believed) {
+    loop.reason = consistency.last_state() == LoopConsistency::State::kImplausible
+                      ? RejectReason::kImplausible
+                      : RejectReason::kInconsistent;
+    report->loops.push_back(loop);
+  }
+  report->reason = loop.reason;
+  Believe(believed, report);
+  if (is_believed) {
+    report->matches.push_back(MakeMatches(loop, verification));
+  }
+  // The VIO takes pixels of the old real image: what virtual views alone show is of no use to it.
+  if (is_believed && !loop.is_virtual && !report->relocalisation) {
+    report->relocalisation = MakeRelocalisation(loop, verification);
+    keyframes.back().relocalised_old = loop.old;
+  }
+  return is_believed;
+}
+
+// The real images of all candidates first: a rig costs several times as much, and is of use only
+// where they don't do.
 void LoopCloser::Impl::FindLoops(KeyframeReport* report) {
   const std::vector<Candidate> candidates = FindCandidates(report);
   Stopwatch watch;
   int found = 0;
+  int rigs = 0;
+  std::vector<std::pair<Candidate, LoopReport>> failed;
   for (const Candidate& candidate : candidates) {
-    Verification verification;
-    LoopReport loop = VerifyCandidate(candidate, &verification);
-    report->reason = loop.reason;
-    if (loop.reason != RejectReason::kNone) {
-      report->loops.push_back(loop);
-      continue;
-    }
-    PoseGraphLoop edge;
-    edge.from = loop.old;
-    edge.to = loop.current;
-    edge.T_from_to = loop.T_Bold_Bcurrent;
-    edge.covariance = loop.covariance;
-    reports.push_back(loop);
-    const auto believed = consistency.Add(edge, static_cast<int>(reports.size()) - 1, graph);
-    const bool is_believed = consistency.last_state() == LoopConsistency::State::kAccepted;
-    if (!is_believed) {
-      loop.reason = consistency.last_state() == LoopConsistency::State::kImplausible
-                        ? RejectReason::kImplausible
-                        : RejectReason::kInconsistent;
-      report->loops.push_back(loop);
-    }
-    report->reason = loop.reason;
-    Believe(believed, report);
-    if (is_believed) {
-      ++found;
-      report->matches.push_back(MakeMatches(loop, verification));
-    }
-    // The VIO takes pixels of the old real image: what virtual views alone show is of no use to it.
-    if (is_believed && !loop.is_virtual && !report->relocalisation) {
-      report->relocalisation = MakeRelocalisation(loop, verification);
-      keyframes.back().relocalised_old = loop.old;
-    }
     if (found >= options.candidates.max_loops) {
       break;
     }
+    Verification verification;
+    const LoopReport loop = VerifyCandidate(candidate, false, &verification);
+    if (loop.reason == RejectReason::kNone) {
+      found += TakeVerified(loop, verification, report) ? 1 : 0;
+    } else {
+      failed.emplace_back(candidate, loop);
+    }
+  }
+  for (auto& [candidate, loop] : failed) {
+    const bool has_views = !keyframes[static_cast<std::size_t>(candidate.keyframe)].views.empty();
+    Verification verification;
+    if (has_views && found < options.candidates.max_loops && rigs < options.views.max_tried) {
+      ++rigs;
+      loop = VerifyCandidate(candidate, true, &verification);
+    }
+    if (loop.reason == RejectReason::kNone) {
+      found += TakeVerified(loop, verification, report) ? 1 : 0;
+    } else {
+      report->reason = loop.reason;
+      report->loops.push_back(loop);
+    }
+  }
+  if (found > 0) {
+    report->reason = RejectReason::kNone;
   }
   report->times.verification = watch.LapMs();
 }

@@ -106,7 +106,11 @@ class LoopCloser::Impl {
   void AddViewPlaces(int keyframe, std::vector<NearbyPlace>* around) const;
   bool IsLocalised() const;
   std::vector<Candidate> FindCandidates(KeyframeReport* report) const;
-  LoopReport VerifyCandidate(const Candidate& candidate, Verification* verification) const;
+  LoopReport VerifyCandidate(const Candidate& candidate,
+                             bool with_views,
+                             Verification* verification) const;
+  /// A loop that passed its gates: true when it is consistent with the others and in the graph now.
+  bool TakeVerified(LoopReport loop, const Verification& verification, KeyframeReport* report);
   void FindLoops(KeyframeReport* report);
   void Believe(const std::vector<LoopConsistency::Entry>& entries, KeyframeReport* report);
   Relocalisation MakeRelocalisation(const LoopReport& loop, const Verification& verification) const;
@@ -145,7 +149,6 @@ class LoopCloser::Impl {
   CameraTable cameras_;
   std::deque<WaitingView> waiting_views_;       ///< the oldest first
   std::map<std::int64_t, std::size_t> stamps_;  ///< newest keyframe of each stamp
-  std::size_t most_views_ = 0;                  ///< of one keyframe
   std::size_t view_bytes_ = 0;
   std::size_t view_words_ = 0;  ///< in the index
   std::size_t place_words_ = 0;

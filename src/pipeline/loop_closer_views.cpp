@@ -17,6 +17,10 @@ int TagOf(const StoredView& view) {
 
 }  // namespace
 
+std::string LoopCloserOptions::SufficientViewFeatures() const {
+  return views.use_offline ? EnumToString(features.kind) : "";
+}
+
 std::vector<std::string> VirtualViewOptions::Validate() const {
   std::vector<std::string> errors;
   const auto require = [&](bool ok, const char* text) {
@@ -26,6 +30,7 @@ std::vector<std::string> VirtualViewOptions::Validate() const {
   };
   require(keep >= 0, "keep must not be negative");
   require(max_features >= 1, "max_features must be at least 1");
+  require(max_tried >= 0, "max_tried must not be negative");
   require(max_waiting >= 0, "max_waiting must not be negative");
   require(min_certainty >= 0 && min_certainty <= 1, "min_certainty must be in [0, 1]");
   require(min_features >= 1, "min_features must be at least 1");
@@ -158,7 +163,6 @@ void LoopCloser::Impl::IndexView(std::size_t keyframe, StoredView view) {
   view_bytes_ += view.MemoryBytes() + sizeof(StoredView);
   std::vector<StoredView>& views = keyframes[keyframe].views;
   views.push_back(std::move(view));
-  most_views_ = std::max(most_views_, views.size());
 }
 
 bool LoopCloser::Impl::AgreesWithSource(const StoredKeyframe& keyframe,

@@ -345,7 +345,7 @@ void LoopCloser::Impl::IndexMap() {
   }
   cameras_ = CameraTable();
   stamps_.clear();
-  most_views_ = view_bytes_ = view_words_ = place_words_ = 0;
+  view_bytes_ = view_words_ = place_words_ = 0;
   view_counts = ViewCounts{};
   view_counts.waiting = static_cast<std::int64_t>(waiting_views_.size());
   for (std::size_t i = 0; i < keyframes.size(); ++i) {

@@ -12,7 +12,8 @@ class BestMatches {
  public:
   explicit BestMatches(const PlaceQuery& query)
       : limit_(static_cast<std::size_t>(std::max(0, query.max_results))),
-        min_score_(query.min_score) {}
+        min_score_(query.min_score),
+        best_per_id_(query.best_per_id) {}
 
   /// A score below this can't enter any more.
   double threshold() const {
@@ -22,6 +23,9 @@ class BestMatches {
 
   void Offer(const PlaceMatch& match) {
     if (limit_ == 0 || match.score < min_score_ || !(match.score > 0)) {
+      return;
+    }
+    if (best_per_id_ && ReplaceSameId(match)) {
       return;
     }
     if (heap_.size() == limit_) {
@@ -42,6 +46,20 @@ class BestMatches {
   }
 
  private:
+  // True when an entry of the match's id is kept, from now on the better of the two.
+  bool ReplaceSameId(const PlaceMatch& match) {
+    const auto same = std::find_if(
+        heap_.begin(), heap_.end(), [&](const PlaceMatch& kept) { return kept.id == match.id; });
+    if (same == heap_.end()) {
+      return false;
+    }
+    if (IsBetter(match, *same)) {
+      *same = match;
+      std::make_heap(heap_.begin(), heap_.end(), &IsBetter);
+    }
+    return true;
+  }
+
   static bool IsBetter(const PlaceMatch& a, const PlaceMatch& b) {
     if (a.score != b.score) {
       return a.score > b.score;
@@ -51,6 +69,7 @@ class BestMatches {
 
   std::size_t limit_;
   double min_score_;
+  bool best_per_id_;
   std::vector<PlaceMatch> heap_;  // the worst in front
 };
 

@@ -80,7 +80,8 @@ class Replay {
     if (callbacks_.on_virtual_view && views.HasTopic(topics_.virtual_frame)) {
       Require(views, topics_.virtual_frame, "deja_view/VirtualFrame", [this](const auto& instance) {
         const auto message = Instantiate<VirtualFrame>(instance);
-        callbacks_.on_virtual_view(FromVirtualFrame(*message, instance.getTopic()));
+        callbacks_.on_virtual_view(
+            FromVirtualFrame(*message, instance.getTopic(), callbacks_.sufficient_features));
       });
     }
   }

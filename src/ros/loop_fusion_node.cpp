@@ -194,8 +194,10 @@ void LoopFusionNode::OnRelativePose(const nav_msgs::OdometryConstPtr& message) {
 }
 
 void LoopFusionNode::OnVirtualFrame(const VirtualFrameConstPtr& message) {
-  fusion_->AddVirtualView([message, topic = parameters_.topics.virtual_frame] {
-    return FromVirtualFrame(*message, topic);
+  fusion_->AddVirtualView([message,
+                           topic = parameters_.topics.virtual_frame,
+                           sufficient = options_.loop_closer.SufficientViewFeatures()] {
+    return FromVirtualFrame(*message, topic, sufficient);
   });
 }
 

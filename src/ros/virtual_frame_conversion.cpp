@@ -215,7 +215,9 @@ VirtualFrame ToVirtualFrame(const VirtualView& view,
   return message;
 }
 
-VirtualView FromVirtualFrame(const VirtualFrame& message, const std::string& topic) {
+VirtualView FromVirtualFrame(const VirtualFrame& message,
+                             const std::string& topic,
+                             const std::string& sufficient_features) {
   CheckIndices(message, topic);
   VirtualView view;
   view.stamp_ns = ToNanoseconds(message.header.stamp);
@@ -227,7 +229,9 @@ VirtualView FromVirtualFrame(const VirtualFrame& message, const std::string& top
   if (message.image.empty() && message.descriptor.empty()) {
     ThrowInputError("{}: neither image nor features: expected one of them", topic);
   }
-  ReadImages(message, topic, &view);
+  if (message.descriptor.empty() || message.descriptor != sufficient_features) {
+    ReadImages(message, topic, &view);
+  }
   view.features = ReadFeatures(message, topic);
   return view;
 }

@@ -68,7 +68,7 @@ void DivideTimes(int count, ReplayResult* result) {
 }
 
 void Play(const ReplayRequest& request,
-          const KeyframeAssemblerOptions& assembler,
+          const LoopFusionOptions& options,
           LoopCloser* closer,
           ReplayResult* result) {
   Progress progress("replay", "messages", 0);
@@ -94,6 +94,7 @@ void Play(const ReplayRequest& request,
   };
   if (request.use_virtual_views) {
     callbacks.on_virtual_view = [&](const VirtualView& view) { closer->AddVirtualView(view); };
+    callbacks.sufficient_features = options.loop_closer.SufficientViewFeatures();
   }
   callbacks.on_problem = [&](const std::string& what) { result->problems.push_back(what); };
   if (request.show_progress) {
@@ -105,7 +106,7 @@ void Play(const ReplayRequest& request,
   const VinsConfig vins = ReadVinsConfig(request.camera);
   VioTopics topics;
   topics.image = vins.image_topic;
-  result->bag = ReplayBag(request.bag, request.virtual_bag, topics, assembler, callbacks);
+  result->bag = ReplayBag(request.bag, request.virtual_bag, topics, options.assembler, callbacks);
   if (request.show_progress) {
     progress.Finish(static_cast<std::size_t>(result->bag.messages),
                     fmt::format("{} loops", accepted));
@@ -135,14 +136,16 @@ ReplayResult RunReplay(const ReplayRequest& request) {
   ReplayResult result;
   const LoopFusionOptions options = ReadLoopFusionOptions(request);
   const VinsConfig vins = ReadVinsConfig(request.camera);
-  const auto vocabulary = Vocabulary::Open(request.vocabulary.empty() ? DefaultVocabulary("brief")
-                                                                      : request.vocabulary);
+  const auto vocabulary =
+      Vocabulary::Open(request.vocabulary.empty()
+                           ? DefaultVocabulary(EnumToString(options.loop_closer.features.kind))
+                           : request.vocabulary);
   LoopCloser closer(options.loop_closer, vins.camera, vins.T_B_C, vocabulary);
   if (!request.load_map.empty()) {
     closer.Load(request.load_map);
     result.map_keyframes = closer.keyframe_count();
   }
-  Play(request, options.assembler, &closer, &result);
+  Play(request, options, &closer, &result);
   closer.OptimizeFully();
   if (!request.save_map.empty()) {
     closer.Save(request.save_map);

@@ -64,6 +64,7 @@ std::vector<std::string> LoopVerifierOptions::Validate() const {
   require(max_yaw_deg > 0, "max_yaw_deg must be positive");
   require(max_gravity_deg > 0, "max_gravity_deg must be positive");
   require(max_sigma_m > 0, "max_sigma_m must be positive");
+  require(rig.min_ransac_inliers >= 3, "rig.min_ransac_inliers must be at least 3");
   require(rig.min_inliers >= 4, "rig.min_inliers must be at least 4");
   require(rig.min_inlier_ratio >= 0 && rig.min_inlier_ratio <= 1,
           "rig.min_inlier_ratio must be in [0, 1]");
@@ -106,6 +107,8 @@ struct LoopVerifier::Problem {
 struct LoopVerifier::Pair {
   std::vector<Link> links;
   GravityPair gravity;
+
+  bool has_rig() const { return links.size() > 2; }
 };
 
 LoopVerifier::LoopVerifier(const LoopVerifierOptions& options, std::shared_ptr<const Camera> camera)
@@ -197,6 +200,16 @@ LoopVerifier::Problem LoopVerifier::MatchAround(const Pair& pair,
   return problem;
 }
 
+RigGates LoopVerifier::GatesOf(const Pair& pair) const {
+  return pair.has_rig() ? options_.rig
+                        : RigGates{options_.min_ransac_inliers,
+                                   options_.min_inliers,
+                                   options_.min_inlier_ratio,
+                                   options_.min_cells,
+                                   options_.max_gravity_deg,
+                                   options_.max_sigma_m};
+}
+
 std::optional<Rigid3> LoopVerifier::FirstPose(const Pair& pair, Verification* v) const {
   Problem problem;
   for (std::size_t i = 0; i < pair.links.size(); ++i) {
@@ -211,7 +224,7 @@ std::optional<Rigid3> LoopVerifier::FirstPose(const Pair& pair, Verification* v)
   const RansacResult ransac =
       EstimateRelativePose(problem.observations, pair.gravity, focal, options_.pose);
   v->ransac_inliers = static_cast<int>(ransac.inliers.size());
-  if (v->ransac_inliers < options_.min_ransac_inliers) {
+  if (v->ransac_inliers < GatesOf(pair).min_ransac_inliers) {
     v->reason = RejectReason::kTooFewInliers;
     return std::nullopt;
   }
@@ -290,6 +303,7 @@ void LoopVerifier::CountOnce(const Pair& pair,
 
 Verification LoopVerifier::Solve(const Pair& pair) const {
   Verification v;
+  const RigGates gates = GatesOf(pair);
   const auto refine = [&](const Rigid3& start, const Problem& problem, bool use_gravity) {
     return RefineRelativePose(start,
                               problem.observations,
@@ -308,7 +322,7 @@ Verification LoopVerifier::Solve(const Pair& pair) const {
   for (const double radius_px : {options_.guided_radius_px, options_.final_radius_px}) {
     guided = MatchAround(pair, T_old_current, radius_px);
     v.guided = static_cast<int>(guided.observations.size());
-    if (v.guided < options_.min_ransac_inliers) {
+    if (v.guided < gates.min_ransac_inliers) {
       v.reason = RejectReason::kTooFewInliers;
       return v;
     }
@@ -318,17 +332,10 @@ Verification LoopVerifier::Solve(const Pair& pair) const {
       GravityDisagreement(refine(T_old_current, guided, false).T_O_U, pair.gravity);
   const RefinedPose pose = refine(T_old_current, guided, true);
   Summarise(pair, guided, pose, &v);
-  const bool has_rig = pair.links.size() > 2;
-  if (has_rig) {
+  if (pair.has_rig()) {
     CountOnce(pair, guided, pose, &v);
   }
-  v.reason = Gate(v,
-                  has_rig ? options_.rig
-                          : RigGates{options_.min_inliers,
-                                     options_.min_inlier_ratio,
-                                     options_.min_cells,
-                                     options_.max_gravity_deg,
-                                     options_.max_sigma_m});
+  v.reason = Gate(v, gates);
   return v;
 }
 

@@ -67,11 +67,12 @@ struct LevelProblem {
   std::vector<bool> is_reverse;
 };
 
-/// Truncated squared error over all observations (MSAC); smaller is better.
-double Cost(const LevelProblem& problem, const Rigid3& T, double threshold) {
+/// Truncated squared error over all observations (MSAC); smaller is better. Where it reaches
+/// `limit`, the rest is not looked at.
+double Cost(const LevelProblem& problem, const Rigid3& T, double threshold, double limit) {
   const Rigid3 inverse = T.Inverse();
   double cost = 0;
-  for (std::size_t i = 0; i < problem.points.size(); ++i) {
+  for (std::size_t i = 0; i < problem.points.size() && cost < limit; ++i) {
     const GravityAlignedPoint& o = problem.points[i];
     cost += std::min(threshold, SquaredTangent(problem.is_reverse[i] ? inverse : T, o.point, o));
   }
@@ -94,13 +95,13 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Matrix26 = Eigen::Matrix<double, 2, 6>;
 
-/// Columns: an orthonormal basis of the plane perpendicular to the unit vector f.
-Eigen::Matrix<double, 3, 2> TangentBasis(const Eigen::Vector3d& f) {
-  Eigen::Matrix<double, 3, 2> basis;
-  basis.col(0) = f.unitOrthogonal();
-  basis.col(1) = f.cross(basis.col(0));
-  return basis;
-}
+/// An orthonormal basis of the plane perpendicular to a bearing.
+struct TangentBasis {
+  explicit TangentBasis(const Eigen::Vector3d& f) : x(f.unitOrthogonal()), y(f.cross(x)) {}
+
+  Eigen::Vector3d x;
+  Eigen::Vector3d y;
+};
 
 struct Linearised {
   Eigen::Vector2d r;            ///< whitened residual
@@ -109,48 +110,47 @@ struct Linearised {
   bool is_valid = false;
 };
 
-/// Residual of one observation at T_O_U, whitened by pixel and depth noise; `J` in (dt, w) of
-/// T = (t + dt, Exp(w) R).
+/// One observation's residual in pixels on the tangent plane of its bearing, whitened by pixel and
+/// depth noise; `J` in (dt, w) of T = (t + dt, Exp(w) R).
 Linearised Linearise(const PointObservation& o,
-                     const Rigid3& T_O_U,
+                     const TangentBasis& basis,
+                     const Eigen::Matrix3d& R,
+                     const Eigen::Vector3d& t,
                      double focal_px,
                      const RelativePoseOptions& options) {
   Linearised result;
-  const Eigen::Matrix3d R = T_O_U.R();
-  Eigen::Vector3d v;
-  Eigen::Vector3d sight;
-  Eigen::Matrix<double, 3, 6> dv;
-  if (o.is_reverse) {
-    const Eigen::Vector3d d = o.point - T_O_U.t;
-    v = R.transpose() * d - o.centre;
-    sight = R.transpose() * o.sight;
-    dv.leftCols<3>() = -R.transpose();
-    dv.rightCols<3>() = R.transpose() * Skew(d);
-  } else {
-    const Eigen::Vector3d rotated = R * o.point;
-    v = rotated + T_O_U.t - o.centre;
-    sight = R * o.sight;
-    dv.leftCols<3>().setIdentity();
-    dv.rightCols<3>() = -Skew(rotated);
-  }
+  const Eigen::Vector3d lever = o.is_reverse ? (o.point - t).eval() : (R * o.point).eval();
+  const Eigen::Vector3d v =
+      o.is_reverse ? (R.transpose() * lever - o.centre).eval() : (lever + t - o.centre).eval();
   const double norm = v.norm();
   const Eigen::Vector3d direction = v / norm;
   if (norm < 1e-6 || direction.dot(o.bearing) <= 0.2) {
     return result;
   }
-  const Eigen::Matrix<double, 3, 2> basis = TangentBasis(o.bearing);
-  const Eigen::Matrix<double, 2, 3> to_pixels =
-      focal_px / norm * basis.transpose() *
-      (Eigen::Matrix3d::Identity() - direction * direction.transpose());
-  const Eigen::Vector2d r = focal_px * basis.transpose() * direction;
+  const Eigen::Vector2d along(basis.x.dot(direction), basis.y.dot(direction));
+  const Eigen::Vector2d r = focal_px * along;
   result.reprojection_px2 = r.squaredNorm();
-  // Depth noise moves the point along its ray: a rank-one covariance in the observing image.
-  const Eigen::Vector2d u = to_pixels * sight * o.depth_sigma;
-  const Eigen::Matrix2d S =
-      options.pixel_sigma * options.pixel_sigma * Eigen::Matrix2d::Identity() + u * u.transpose();
-  const Eigen::Matrix2d L = S.llt().matrixL();
-  result.r = L.triangularView<Eigen::Lower>().solve(r);
-  result.J = L.triangularView<Eigen::Lower>().solve(to_pixels * dv);
+  // d r / d v, its rows as columns: in the observing frame, then in O's.
+  Eigen::Matrix<double, 3, 2> to_pixels;
+  to_pixels.col(0) = focal_px / norm * (basis.x - along.x() * direction);
+  to_pixels.col(1) = focal_px / norm * (basis.y - along.y() * direction);
+  if (o.is_reverse) {
+    to_pixels = (R * to_pixels).eval();
+  }
+  // Depth noise moves the point along its ray: S = sigma^2 I + u u^T, whose inverse root is
+  // (I - u u^T / (s (s + sigma))) / sigma with s^2 = sigma^2 + u^T u.
+  const Eigen::Vector3d sight = o.is_reverse ? o.sight : (R * o.sight).eval();
+  const Eigen::Vector2d u = o.depth_sigma * to_pixels.transpose() * sight;
+  const double sigma = options.pixel_sigma;
+  const double s = std::sqrt(sigma * sigma + u.squaredNorm());
+  const Eigen::Matrix2d whitening =
+      (Eigen::Matrix2d::Identity() - u * u.transpose() / (s * (s + sigma))) / sigma;
+  result.r = whitening * r;
+  const Eigen::Matrix<double, 3, 2> rows =
+      (o.is_reverse ? -1.0 : 1.0) * to_pixels * whitening.transpose();
+  result.J.leftCols<3>() = rows.transpose();
+  result.J.row(0).tail<3>() = lever.cross(rows.col(0));
+  result.J.row(1).tail<3>() = lever.cross(rows.col(1));
   result.is_valid = true;
   return result;
 }
@@ -172,14 +172,16 @@ constexpr double kCauchyScale = 1.5;  // in units of the whitened residual's sig
 
 NormalEquations Accumulate(const Rigid3& T_O_U,
                            const std::vector<PointObservation>& observations,
+                           const std::vector<TangentBasis>& bases,
                            const GravityPair& gravity,
                            bool use_gravity,
                            double focal_px,
                            const RelativePoseOptions& options) {
   NormalEquations sum;
+  const Eigen::Matrix3d R = T_O_U.R();
   constexpr double kScale2 = kCauchyScale * kCauchyScale;
-  for (const PointObservation& o : observations) {
-    const Linearised l = Linearise(o, T_O_U, focal_px, options);
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    const Linearised l = Linearise(observations[i], bases[i], R, T_O_U.t, focal_px, options);
     if (!l.is_valid) {
       sum.cost += kScale2 * std::log1p(1e4);
       continue;
@@ -243,7 +245,7 @@ RansacResult EstimateRelativePose(const std::vector<PointObservation>& observati
          SolveTwoPointGravityPose(problem.points[a], problem.points[b])) {
       const Rigid3 forward = solution.ToRigid3();
       const Rigid3 T = problem.is_reverse[a] ? forward.Inverse() : forward;
-      const double cost = Cost(problem, T, threshold);
+      const double cost = Cost(problem, T, threshold, best_cost);
       if (cost < best_cost) {
         best_cost = cost;
         best = T;
@@ -275,8 +277,13 @@ RefinedPose RefineRelativePose(const Rigid3& T_O_U_initial,
                                const RelativePoseOptions& options) {
   RefinedPose result;
   result.T_O_U = T_O_U_initial;
+  std::vector<TangentBasis> bases;
+  bases.reserve(observations.size());
+  for (const PointObservation& o : observations) {
+    bases.emplace_back(o.bearing);
+  }
   const auto accumulate = [&](const Rigid3& T) {
-    return Accumulate(T, observations, gravity, use_gravity, focal_px, options);
+    return Accumulate(T, observations, bases, gravity, use_gravity, focal_px, options);
   };
   NormalEquations current = accumulate(result.T_O_U);
   double damping = 1e-4;
@@ -305,8 +312,9 @@ RefinedPose RefineRelativePose(const Rigid3& T_O_U_initial,
   double sum = 0;
   double whitened = 0;
   const double limit = options.inlier_threshold_px / options.pixel_sigma;
+  const Eigen::Matrix3d R = result.T_O_U.R();
   for (std::size_t i = 0; i < observations.size(); ++i) {
-    const Linearised l = Linearise(observations[i], result.T_O_U, focal_px, options);
+    const Linearised l = Linearise(observations[i], bases[i], R, result.T_O_U.t, focal_px, options);
     if (l.is_valid && l.r.squaredNorm() < limit * limit) {
       result.inliers.push_back(static_cast<int>(i));
       sum += l.reprojection_px2;

@@ -67,6 +67,7 @@ struct VirtualViewOptions {
   /// 1 is the paper's choice, Sec. 3.2.3). 0: none, not even a loaded map's.
   int keep = 8;
   int max_features = 350;   ///< strongest, spread over the image
+  int max_tried = 6;        ///< candidates per keyframe that are verified with their views
   int max_waiting = 400;    ///< views whose keyframe has not come yet; the oldest is given up first
   bool use_offline = true;  ///< take a message's own features where it has them
   double min_certainty = 0.5;  ///< of a pixel (1: certain): a keypoint below is not used
@@ -81,6 +82,7 @@ struct VirtualViewOptions {
   void Visit(Visitor& v) {
     v("keep", keep);
     v("max_features", max_features);
+    v("max_tried", max_tried);
     v("max_waiting", max_waiting);
     v("use_offline", use_offline);
     v("min_certainty", min_certainty);
@@ -120,6 +122,9 @@ struct LoopCloserOptions {
   double point_sigma_floor = 0.02;
   double point_track_sigma_px = 1.0;
   double point_sigma_max = 0.15;
+
+  /// Kind of offline features that make a view's images needless; empty: none does.
+  std::string SufficientViewFeatures() const;
 
   template <typename Visitor>
   void Visit(Visitor& v) {

@@ -36,6 +36,8 @@ struct PlaceQuery {
   int min_id = std::numeric_limits<int>::min();
   int max_id = std::numeric_limits<int>::max();
   double min_score = 0;
+  /// Only the best entry of each id, of equal ones that of the lowest tag.
+  bool best_per_id = false;
 };
 
 /// An entry found.

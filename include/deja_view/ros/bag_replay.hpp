@@ -37,6 +37,7 @@ struct ReplayCallbacks {
   /// In the order of the bag, which may be before or after its keyframe. As on_keyframe, it may
   /// throw InputError.
   std::function<void(const VirtualView&)> on_virtual_view;
+  std::string sufficient_features;  ///< as FromVirtualFrame's
   /// A message that can't be used, with the reason, or a keyframe that was dropped.
   std::function<void(const std::string& what)> on_problem;
   /// After each message: how many of all messages are done.

@@ -23,7 +23,10 @@ VirtualFrame ToVirtualFrame(const VirtualView& view,
 /// what was expected: a pose that is none, an impossible camera, an image that can't be decoded or
 /// is of another size than the camera (found out before any memory is taken for its pixels), lists
 /// of different lengths, keypoints outside the image, numbers that are not finite or negative
-/// depths.
-VirtualView FromVirtualFrame(const VirtualFrame& message, const std::string& topic);
+/// depths. Of a message with features of the kind `sufficient_features` ("brief" or "orb"; empty:
+/// none) the images are not decoded.
+VirtualView FromVirtualFrame(const VirtualFrame& message,
+                             const std::string& topic,
+                             const std::string& sufficient_features = "");
 
 }  // namespace deja_view

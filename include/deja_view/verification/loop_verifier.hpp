@@ -41,6 +41,7 @@ struct RigCamera {
 /// Gates for loops that the real image alone does not give. Inliers are counted once however many
 /// cameras of the rig show them.
 struct RigGates {
+  int min_ransac_inliers = 14;  ///< several images give more matches, and more that agree by chance
   int min_inliers = 30;
   double min_inlier_ratio = 0.25;  ///< of the current points that fall into any camera of the rig
   int min_cells = 8;               ///< of an 8 x 6 grid on the current image
@@ -49,6 +50,7 @@ struct RigGates {
 
   template <typename Visitor>
   void Visit(Visitor& v) {
+    v("min_ransac_inliers", min_ransac_inliers);
     v("min_inliers", min_inliers);
     v("min_inlier_ratio", min_inlier_ratio);
     v("min_cells", min_cells);
@@ -185,6 +187,7 @@ class LoopVerifier {
                        const std::vector<Match>& matches,
                        Problem* problem) const;
   /// Pose from matches over whole images; sets `v->reason` where it returns nothing.
+  RigGates GatesOf(const Pair& pair) const;
   std::optional<Rigid3> FirstPose(const Pair& pair, Verification* v) const;
   Verification Solve(const Pair& pair) const;
   void Summarise(const Pair& pair,

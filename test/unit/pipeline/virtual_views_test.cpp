@@ -285,19 +285,23 @@ TEST(VirtualViews, AreSavedWithTheMap) {
   fs::remove_all(again);
 }
 
-/// Where a second session looks from a virtual camera's place, that camera is a candidate's reason
-/// to be accepted, and the loop says so.
-TEST(VirtualViews, ALoopThatNeedsThemIsMarked) {
-  const sim::RecordedFlight& flight = SmallFlight(1);
+/// Every loop stands for itself, and only virtual views can show one.
+LoopCloserOptions OnlyViewsOptions() {
   LoopCloserOptions options = FlightOptions();
   options.consistency.min_support = 0;
   options.consistency.min_support_join = 0;
   options.consistency.min_span_m = 0;
   options.candidates.min_age_s = 0.1;
-  // Real images alone can't do it.
   options.verification.min_inliers = 100000;
   options.verification.rig.min_inliers = 20;
-  LoopCloser closer(options, flight.camera, flight.T_B_C, FlightVocabulary());
+  return options;
+}
+
+/// Where a second session looks from a virtual camera's place, that camera is a candidate's reason
+/// to be accepted, and the loop says so.
+TEST(VirtualViews, ALoopThatNeedsThemIsMarked) {
+  const sim::RecordedFlight& flight = SmallFlight(1);
+  LoopCloser closer(OnlyViewsOptions(), flight.camera, flight.T_B_C, FlightVocabulary());
   closer.AddKeyframe(flight.keyframes[0]);
   EXPECT_TRUE(closer.AddKeyframe(flight.keyframes[1]).loops.front().is_virtual == false);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -312,6 +316,29 @@ TEST(VirtualViews, ALoopThatNeedsThemIsMarked) {
   EXPECT_FALSE(report.relocalisation) << "of no use to the VIO";
   const Rigid3 truth = flight.T_W_B[0].Inverse() * flight.T_W_B[2];
   EXPECT_LT((loop->T_Bold_Bcurrent.t - truth.t).norm(), 0.1);
+}
+
+TEST(VirtualViews, NoMoreAreTriedThanAllowed) {
+  const sim::RecordedFlight& flight = SmallFlight(1);
+  const auto loops_with = [&](int max_tried) {
+    LoopCloserOptions options = OnlyViewsOptions();
+    options.views.max_tried = max_tried;
+    LoopCloser closer(options, flight.camera, flight.T_B_C, FlightVocabulary());
+    for (std::size_t k = 0; k < 2; ++k) {
+      closer.AddKeyframe(flight.keyframes[k]);
+      closer.AddVirtualView(View(k, 0));
+      closer.AddVirtualView(View(k, 1));
+    }
+    const KeyframeReport report = closer.AddKeyframe(flight.keyframes[2]);
+    EXPECT_EQ(report.loops.size(), 2U) << "one per candidate, tried or not";
+    EXPECT_EQ(report.reason == RejectReason::kNone, max_tried > 0);
+    return std::count_if(report.loops.begin(), report.loops.end(), [](const LoopReport& loop) {
+      return loop.is_virtual;
+    });
+  };
+  EXPECT_EQ(loops_with(0), 0);
+  EXPECT_EQ(loops_with(1), 1);
+  EXPECT_EQ(loops_with(2), 2);
 }
 
 }  // namespace

@@ -151,6 +151,17 @@ TEST(VirtualFrameConversionTest, ImageOrFeaturesAlone) {
   EXPECT_THROW(ToVirtualFrame(view, "cam0"), CheckError);
 }
 
+TEST(VirtualFrameConversionTest, DecodesNoImagesWhereFeaturesSuffice) {
+  VirtualFrame message = MakeMessage();
+  message.image.resize(message.image.size() / 2);  // can't be decoded
+  const VirtualView brief = FromVirtualFrame(message, kTopic, "brief");
+  EXPECT_TRUE(brief.image.empty());
+  EXPECT_TRUE(brief.depth_mm.empty());
+  ExpectSameFeatures(brief.features, MakeView().features);
+  EXPECT_THROW(FromVirtualFrame(message, kTopic, "orb"), InputError);
+  EXPECT_THROW(FromVirtualFrame(message, kTopic), InputError);
+}
+
 TEST(VirtualFrameConversionTest, KeepsAFisheye) {
   VirtualView view = MakeView();
   view.camera = std::make_shared<KannalaBrandtCamera>(

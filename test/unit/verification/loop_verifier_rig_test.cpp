@@ -123,8 +123,11 @@ TEST(LoopVerifierRig, HasGatesOfItsOwn) {
   options = {};
   options.rig.max_sigma_m = 1e-6;
   EXPECT_EQ(VerifyRig(scene, {scene.view}, options).reason, RejectReason::kUncertain);
-  options.rig = {0, 2.0, 0, 0, 0};
-  EXPECT_EQ(options.Validate().size(), 5U);
+  options = {};
+  options.rig.min_ransac_inliers = v.ransac_inliers + 1;
+  EXPECT_EQ(VerifyRig(scene, {scene.view}, options).reason, RejectReason::kTooFewInliers);
+  options.rig = {0, 0, 2.0, 0, 0, 0};
+  EXPECT_EQ(options.Validate().size(), 6U);
 }
 
 TEST(LoopVerifierRig, RejectsViewsOfAnotherPlace) {
