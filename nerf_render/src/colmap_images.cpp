@@ -1,5 +1,6 @@
 #include "deja_view/base/check.hpp"
 #include "deja_view/io/colmap.hpp"
+#include "deja_view/io/image_files.hpp"
 #include "deja_view/io/image_names.hpp"
 #include "deja_view/nerf/image_readers.hpp"
 

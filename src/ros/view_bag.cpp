@@ -4,6 +4,7 @@
 #include "deja_view/base/parallel.hpp"
 #include "deja_view/camera/camera_parameters.hpp"
 #include "deja_view/io/config_node.hpp"
+#include "deja_view/ros/bag_reader.hpp"
 #include "deja_view/ros/bag_writer.hpp"
 #include "deja_view/ros/virtual_frame_conversion.hpp"
 
@@ -16,6 +17,7 @@
 
 #include "view_messages.hpp"
 
+#include <nav_msgs/Odometry.h>
 #include <ros/serialization.h>
 #include <std_msgs/String.h>
 
@@ -36,13 +38,8 @@ std::vector<SourceImage> ShareOf(const std::vector<SourceImage>& images, const V
 }
 
 // Of all that decides about the views but the images' content.
-std::uint64_t HashJob(const ViewJob& job,
-                      const BagReader& bag,
-                      const std::vector<SourceImage>& images) {
-  std::string text = job.settings;
-  for (const BagReader::Topic& topic : bag.topics()) {
-    text += fmt::format("{} {} {}\n", topic.name, topic.type, topic.messages);
-  }
+std::uint64_t HashJob(const ViewJob& job, const std::vector<SourceImage>& images) {
+  std::string text = job.settings + job.flight->Describe();
   const CameraParameters camera = DescribeCamera(*job.camera);
   text += fmt::format("{} {} {} {} {}\n",
                       camera.model,
@@ -98,7 +95,6 @@ void MakeOne(const ViewJob& job,
 // Makes and stores the views of `missing`. Each thread takes whole images: what a view needs beside
 // its render (gates, fits, networks, compression) runs on one thread and would leave others idle.
 void MakeMissing(const ViewJob& job,
-                 const BagReader& bag,
                  const ViewMaker& maker,
                  const ViewRendererFactory& make_renderer,
                  const std::vector<SourceImage>& missing,
@@ -124,7 +120,7 @@ void MakeMissing(const ViewJob& job,
     batch.clear();
   };
   ReadSourceImages(
-      bag, job.topics, *job.camera, job.T_B_C, missing, [&](const LoadedSource& loaded) {
+      *job.flight, job.topics, *job.camera, job.T_B_C, missing, [&](const LoadedSource& loaded) {
         batch.push_back(loaded);
         if (batch.size() >= kImagesPerThread * threads) {
           make_batch();
@@ -145,20 +141,37 @@ void Count(const SourceResult& result, ViewReport* report) {
   report->source_psnr_db.push_back(result.fit.psnr_db);
 }
 
-void CheckRecognised(const ViewReport& report, const fs::path& bag) {
+void CheckRecognised(const ViewReport& report, const fs::path& flight) {
   if (report.sources > 0 && report.not_recognised == report.sources) {
     ThrowInputError(
         "{}: the model shows something else at the poses of all {} images: expected poses in the "
         "frame that it was trained in, or min_correlation below what they have",
-        bag.string(),
+        flight.string(),
         report.sources);
   }
 }
 
-// A bag of the share's views alone.
+// The body's poses at the images, where they are wanted.
+void WritePoses(const ViewJob& job, const std::vector<SourceImage>& images, BagWriter* bag) {
+  if (job.pose_topic.empty()) {
+    return;
+  }
+  const Rigid3 T_C_B = job.T_B_C.Inverse();
+  nav_msgs::Odometry message;
+  message.header.frame_id = "world";
+  message.child_frame_id = "body";
+  for (const SourceImage& image : images) {
+    message.header.stamp = ToRosTime(image.stamp_ns);
+    message.pose.pose = ToPose(image.T_N_C * T_C_B);
+    bag->Write(job.pose_topic, image.recorded_ns, message);
+  }
+}
+
+// A bag of the share's views alone; the first one has the poses, too.
 void WritePart(const fs::path& path,
                const ViewJob& job,
                std::uint64_t job_hash,
+               const std::vector<SourceImage>& all,
                const std::vector<SourceImage>& share,
                const ViewStore& store,
                ViewReport* report) {
@@ -167,6 +180,9 @@ void WritePart(const fs::path& path,
   std_msgs::String label;
   label.data = internal::FormatLabel({job.shard, job_hash, job.settings});
   bag.Write(topics.settings, 1, label);
+  if (job.shard.index == 0) {
+    WritePoses(job, all, &bag);
+  }
   for (const SourceImage& image : share) {
     const std::optional<SourceResult> result = store.Read(image.stamp_ns);
     if (!result) {
@@ -177,7 +193,7 @@ void WritePart(const fs::path& path,
     internal::WriteViews(*result, topics, job.plain_topics, &bag);
     Count(*result, report);
   }
-  CheckRecognised(*report, job.bag);
+  CheckRecognised(*report, job.flight->path());
   bag.Close();
 }
 
@@ -212,7 +228,7 @@ void CheckParts(const std::vector<Part>& parts, const std::vector<fs::path>& pat
     if (label.job_hash != first.job_hash || label.settings != first.settings ||
         label.shard.count != first.shard.count) {
       ThrowInputError(
-          "{}: made of another bag, with other settings or another number of parts "
+          "{}: made of another flight, with other settings or another number of parts "
           "than {}",
           paths[i].string(),
           paths.front().string());
@@ -254,13 +270,13 @@ ViewReport RenderViews(
     const std::function<void(std::size_t done, std::size_t total)>& on_progress) {
   DEJA_VIEW_CHECK(job.shard.count >= 1 && job.shard.index >= 0 &&
                   job.shard.index < job.shard.count);
-  const BagReader bag(job.bag);
-  const SourceImages all = FindSourceImages(bag, job.topics, job.sources, job.T_N_C);
+  job.flight->CheckContent(job.threads);
+  const SourceImages all = FindSourceImages(*job.flight, job.topics, job.sources, job.T_N_C);
   const std::vector<SourceImage> selected =
       job.source_stamps_ns.empty() ? SelectSourceImages(all.images, job.options.sources)
                                    : SourceImagesAt(all.images, job.source_stamps_ns);
   const std::vector<SourceImage> share = ShareOf(selected, job.shard);
-  const std::uint64_t job_hash = HashJob(job, bag, selected);
+  const std::uint64_t job_hash = HashJob(job, selected);
 
   ViewReport report;
   report.images = static_cast<std::int64_t>(all.images.size());
@@ -285,13 +301,13 @@ ViewReport RenderViews(
       job.options, job.content, job.camera, std::move(flown_N), HashText(job.settings));
   std::size_t done = share.size() - missing.size();
   MakeMissing(
-      job, bag, maker, make_renderer, missing, store, [&] { on_progress(++done, share.size()); });
+      job, maker, make_renderer, missing, store, [&] { on_progress(++done, share.size()); });
 
   const bool is_whole = job.shard.count == 1;
   const fs::path part = is_whole ? work / "views.bag" : job.out;
-  WritePart(part, job, job_hash, share, store, &report);
+  WritePart(part, job, job_hash, all.images, share, store, &report);
   if (is_whole) {
-    MergeViews(job.bag, {part}, job.out);
+    MergeViews(*job.flight, {part}, job.out);
     std::error_code error;
     fs::remove(part, error);
   }
@@ -299,15 +315,14 @@ ViewReport RenderViews(
   return report;
 }
 
-ViewReport MergeViews(const fs::path& bag,
+ViewReport MergeViews(const ViewFlight& flight,
                       const std::vector<fs::path>& part_paths,
                       const fs::path& out) {
   DEJA_VIEW_CHECK(!part_paths.empty());
   const ViewTopics topics;
-  const BagReader reader(bag);
-  if (reader.HasTopic(topics.frame)) {
+  if (flight.HasTopic(topics.frame)) {
     ThrowInputError("{}: has virtual views on {} already: expected the bag of a flight",
-                    bag.string(),
+                    flight.path().string(),
                     topics.frame);
   }
   std::vector<Part> parts;
@@ -328,17 +343,17 @@ ViewReport MergeViews(const fs::path& bag,
     writer.Copy(**next++);
   };
   bool is_first = true;
-  reader.ReadAll([&](const rosbag::MessageInstance& instance) {
+  flight.ReadAll([&](std::int64_t time_ns, const ViewFlight::WriteMessage& write) {
     if (is_first) {
       std_msgs::String settings;
       settings.data = parts.front().label.settings;
-      writer.Write(topics.settings, ToNanoseconds(instance.getTime()), settings);
+      writer.Write(topics.settings, time_ns, settings);
       is_first = false;
     }
-    while (next != messages.end() && (*next)->getTime() < instance.getTime()) {
+    while (next != messages.end() && ToNanoseconds((*next)->getTime()) < time_ns) {
       copy_next();
     }
-    writer.Copy(instance);
+    write(&writer);
   });
   while (next != messages.end()) {
     copy_next();

@@ -2,12 +2,12 @@
 
 namespace deja_view::internal {
 
-std::map<std::int64_t, std::vector<RangeSample>> ReadTrackedPoints(const BagReader& bag,
-                                                                   const VioTopics& topics,
-                                                                   const Camera& camera,
-                                                                   const Rigid3& T_B_C) {
+TrackedPoints ReadTrackedPoints(const BagReader& bag,
+                                const VioTopics& topics,
+                                const Camera& camera,
+                                const Rigid3& T_B_C) {
   std::map<std::int64_t, Rigid3> T_C_W;
-  std::map<std::int64_t, std::vector<RangeSample>> samples;
+  TrackedPoints samples;
   if (bag.TypeOf(topics.keyframe_pose) != "nav_msgs/Odometry" ||
       bag.TypeOf(topics.keyframe_point) != "sensor_msgs/PointCloud") {
     return samples;

@@ -1,52 +1,29 @@
 #include "deja_view/ros/view_sources.hpp"
 
+#include "deja_view/base/check.hpp"
+
 #include <algorithm>
 #include <iterator>
 #include <map>
+#include <optional>
 #include <set>
-
-#include "view_points.hpp"
 
 namespace deja_view {
 namespace {
 
-std::int64_t StampOf(const rosbag::MessageInstance& instance) {
-  if (instance.isType<sensor_msgs::Image>()) {
-    return ToNanoseconds(Instantiate<sensor_msgs::Image>(instance)->header.stamp);
-  }
-  return ToNanoseconds(Instantiate<sensor_msgs::CompressedImage>(instance)->header.stamp);
-}
-
 // Keys (KeyframeAssembler::Key) of the keyframes' stamps; nothing when all images are wanted.
-std::optional<std::set<std::int64_t>> KeyframeKeys(const BagReader& bag,
+std::optional<std::set<std::int64_t>> KeyframeKeys(const ViewFlight& flight,
                                                    const VioTopics& topics,
                                                    SourceKind kind) {
   if (kind == SourceKind::kImages ||
-      (kind == SourceKind::kAuto && !bag.HasTopic(topics.keyframe_pose))) {
+      (kind == SourceKind::kAuto && !flight.HasTopic(topics.keyframe_pose))) {
     return std::nullopt;
   }
-  bag.RequireTopic(topics.keyframe_pose, {"nav_msgs/Odometry"});
   std::set<std::int64_t> keys;
-  bag.Read({topics.keyframe_pose}, [&keys](const rosbag::MessageInstance& instance) {
-    keys.insert(KeyframeAssembler::Key(
-        ToNanoseconds(Instantiate<nav_msgs::Odometry>(instance)->header.stamp)));
-  });
-  return keys;
-}
-
-struct DecodedImage {
-  cv::Mat image;
-  std::string frame_id;
-};
-
-DecodedImage Decode(const rosbag::MessageInstance& instance) {
-  const std::string topic = instance.getTopic();
-  if (instance.isType<sensor_msgs::Image>()) {
-    const auto message = Instantiate<sensor_msgs::Image>(instance);
-    return {FromImage(message, topic)(), message->header.frame_id};
+  for (const std::int64_t stamp_ns : flight.KeyframeStamps(topics)) {
+    keys.insert(KeyframeAssembler::Key(stamp_ns));
   }
-  const auto message = Instantiate<sensor_msgs::CompressedImage>(instance);
-  return {FromCompressedImage(message, topic)(), message->header.frame_id};
+  return keys;
 }
 
 void CheckSize(const cv::Mat& image, const Camera& camera, const std::string& topic) {
@@ -62,30 +39,30 @@ void CheckSize(const cv::Mat& image, const Camera& camera, const std::string& to
 
 }  // namespace
 
-SourceImages FindSourceImages(const BagReader& bag,
+SourceImages FindSourceImages(const ViewFlight& flight,
                               const VioTopics& topics,
                               SourceKind kind,
                               const Trajectory& T_N_C,
                               std::int64_t max_gap_ns) {
-  bag.RequireTopic(topics.image, {"sensor_msgs/Image", "sensor_msgs/CompressedImage"});
-  const std::optional<std::set<std::int64_t>> keyframes = KeyframeKeys(bag, topics, kind);
+  const std::vector<RecordedImage> recorded = flight.ListImages(topics.image);
+  const std::optional<std::set<std::int64_t>> keyframes = KeyframeKeys(flight, topics, kind);
   SourceImages result;
   std::set<std::int64_t> seen;
-  bag.Read({topics.image}, [&](const rosbag::MessageInstance& instance) {
-    const std::int64_t stamp_ns = StampOf(instance);
-    const bool is_wanted = !keyframes || keyframes->count(KeyframeAssembler::Key(stamp_ns)) > 0;
-    if (!is_wanted || !seen.insert(stamp_ns).second) {
-      return;
+  for (const RecordedImage& image : recorded) {
+    const bool is_wanted =
+        !keyframes || keyframes->count(KeyframeAssembler::Key(image.stamp_ns)) > 0;
+    if (!is_wanted || !seen.insert(image.stamp_ns).second) {
+      continue;
     }
-    if (const std::optional<Rigid3> pose = T_N_C.At(stamp_ns, max_gap_ns)) {
-      result.images.push_back({stamp_ns, ToNanoseconds(instance.getTime()), *pose});
+    if (const std::optional<Rigid3> pose = T_N_C.At(image.stamp_ns, max_gap_ns)) {
+      result.images.push_back({image.stamp_ns, image.recorded_ns, *pose});
     } else {
       ++result.without_pose;
     }
-  });
+  }
   if (result.images.empty()) {
     ThrowInputError("{}: none of the {} images on '{}' has a pose: expected poses at their stamps",
-                    bag.path().string(),
+                    flight.path().string(),
                     result.without_pose,
                     topics.image);
   }
@@ -124,36 +101,34 @@ std::vector<SourceImage> SourceImagesAt(const std::vector<SourceImage>& images,
   return found;
 }
 
-void ReadSourceImages(const BagReader& bag,
+void ReadSourceImages(const ViewFlight& flight,
                       const VioTopics& topics,
                       const Camera& camera,
                       const Rigid3& T_B_C,
                       const std::vector<SourceImage>& images,
                       const std::function<void(const LoadedSource&)>& visit) {
   std::map<std::int64_t, SourceImage> wanted;  // by the time of recording
+  std::set<std::int64_t> times;
   for (const SourceImage& image : images) {
     wanted[image.recorded_ns] = image;
+    times.insert(image.recorded_ns);
   }
   if (wanted.empty()) {
     return;
   }
-  const auto points = internal::ReadTrackedPoints(bag, topics, camera, T_B_C);
-  bag.Read({topics.image}, [&](const rosbag::MessageInstance& instance) {
-    const auto image = wanted.find(ToNanoseconds(instance.getTime()));
-    if (image == wanted.end()) {
-      return;
-    }
-    const DecodedImage decoded = Decode(instance);
+  const TrackedPoints points = flight.ReadTrackedPoints(topics, camera, T_B_C);
+  const auto load = [&](std::int64_t recorded_ns, const DecodedImage& decoded) {
     CheckSize(decoded.image, camera, topics.image);
+    const SourceImage& image = wanted.at(recorded_ns);
     LoadedSource loaded;
-    loaded.source = {image->second.stamp_ns, decoded.image, image->second.T_N_C};
-    loaded.recorded_ns = image->second.recorded_ns;
+    loaded.source = {image.stamp_ns, decoded.image, image.T_N_C};
+    loaded.recorded_ns = recorded_ns;
     loaded.frame_id = decoded.frame_id;
-    const auto found = points.find(KeyframeAssembler::Key(loaded.source.stamp_ns));
+    const auto found = points.find(KeyframeAssembler::Key(image.stamp_ns));
     loaded.points = found == points.end() ? std::vector<RangeSample>() : found->second;
-    wanted.erase(image);
     visit(loaded);
-  });
+  };
+  flight.ReadImages(topics.image, times, load);
 }
 
 }  // namespace deja_view

@@ -48,15 +48,14 @@ PoseSource ReadFlightPoses(const std::string& file_or_topic,
   }
   bool is_topic = !file_or_topic.empty() && file_or_topic.front() == '/';
 #ifdef DEJA_VIEW_WITH_ROS
-  is_topic = is_topic && BagReader(bag).HasTopic(file_or_topic);
+  is_topic = is_topic && !bag.empty() && BagReader(bag).HasTopic(file_or_topic);
 #endif
   if (!is_topic) {
     ThrowInputError(
         "{}: no such file or topic: expected poses (TUM, data.csv of EuRoC, vins_result of "
-        "VINS-Mono, a "
-        "model of COLMAP), BAG:/topic, or a topic of {}",
+        "VINS-Mono, a model of COLMAP), BAG:/topic{}",
         file_or_topic,
-        bag.string());
+        bag.empty() ? "" : ", or a topic of " + bag.string());
   }
   return ReadPoses(bag, file_or_topic, is_of_camera);
 }

@@ -24,7 +24,7 @@ PoseSource ReadPoses(const std::filesystem::path& path,
 /// As above, of "FILE" or "BAG:/topic".
 PoseSource ReadPoses(const std::string& file_or_topic, bool is_of_camera);
 
-/// As above, of "FILE", "BAG:/topic", or "/topic" of `bag`.
+/// As above, of "FILE", "BAG:/topic", or "/topic" of `bag`, which is empty where there is none.
 PoseSource ReadFlightPoses(const std::string& file_or_topic,
                            const std::filesystem::path& bag,
                            bool is_of_camera);

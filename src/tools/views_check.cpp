@@ -149,7 +149,7 @@ class Check {
     }
     const ViewRenderOptions exposure{
         static_cast<float>(fit.gain), static_cast<float>(fit.bias), job_.threads};
-    const auto warp = warp_(sample.source, sample.points);
+    const auto warp = sample.points.empty() ? nullptr : warp_(sample.source, sample.points);
     const auto accept = [&](const Rigid3& T_C_V) {
       const GateVerdict verdict = gate_.Judge(*renderer_, sample.source.T_N_C, T_C_V);
       not_free_ += verdict == GateVerdict::kNotFree ? 1 : 0;
@@ -166,8 +166,10 @@ class Check {
       for (const auto& [name, way] : ways_) {
         offer[name] = Match(name, way, *renderer_, exposure, {real, depth, T_N_V, T_C_V});
       }
-      offer["warp"] =
-          Match("warp", direct_, *warp, {1, 0, job_.threads}, {real, depth, T_N_V, T_C_V});
+      if (warp != nullptr) {
+        offer["warp"] =
+            Match("warp", direct_, *warp, {1, 0, job_.threads}, {real, depth, T_N_V, T_C_V});
+      }
       offers_.push_back(offer);
     }
     const Rigid3 T_C_next = sample.source.T_N_C.Inverse() * next.T_N_C;
@@ -263,28 +265,31 @@ Json RunViewsCheck(const ViewsCheckRequest& request) {
   const Interrupt interrupt;
   const PosedJob posed = ReadViewsInput(request.input);
   const ViewJob& job = posed.job;
-  const BagReader bag(job.bag);
   const std::vector<SourceImage> images =
-      FindSourceImages(bag, job.topics, job.sources, job.T_N_C).images;
+      FindSourceImages(*job.flight, job.topics, job.sources, job.T_N_C).images;
   Check check(request, posed, Positions(images));
   std::optional<Progress> progress;
   if (request.input.show_progress) {
-    progress.emplace("matching", "images", static_cast<std::size_t>(request.images));
+    progress.emplace("matching", "images", static_cast<std::size_t>(request.count));
   }
-  const Pairs pairs = ChoosePairs(images, request.images);
+  const Pairs pairs = ChoosePairs(images, request.count);
   std::size_t done = 0;
   std::optional<LoadedSource> before;
-  ReadSourceImages(
-      bag, job.topics, *job.camera, job.T_B_C, pairs.images, [&](const LoadedSource& loaded) {
-        interrupt.Check();
-        if (before && pairs.first_stamps.count(before->source.stamp_ns) > 0) {
-          check.Add(*before, loaded.source);
-          if (progress) {
-            progress->Update(++done);
-          }
-        }
-        before = loaded;
-      });
+  ReadSourceImages(*job.flight,
+                   job.topics,
+                   *job.camera,
+                   job.T_B_C,
+                   pairs.images,
+                   [&](const LoadedSource& loaded) {
+                     interrupt.Check();
+                     if (before && pairs.first_stamps.count(before->source.stamp_ns) > 0) {
+                       check.Add(*before, loaded.source);
+                       if (progress) {
+                         progress->Update(++done);
+                       }
+                     }
+                     before = loaded;
+                   });
   if (progress) {
     progress->Finish(done);
   }

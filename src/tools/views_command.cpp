@@ -72,13 +72,24 @@ Command Reporting(std::shared_ptr<std::string> json_file,
   };
 }
 
+void AddFlightOptions(CLI::App* sub, FlightFiles* flight) {
+  CLI::Option* bag =
+      sub->add_option("--bag", flight->bag, "Bag with images, and VINS-Mono's keyframes if any")
+          ->check(CLI::ExistingFile);
+  sub->add_option("--images",
+                  flight->images,
+                  "Instead, a folder of images named by their stamps (ns, or s with a point), or "
+                  "EuRoC's ASL folder")
+      ->check(CLI::ExistingDirectory)
+      ->excludes(bag);
+  sub->add_option("--camera", flight->camera, "Camera YAML, as VINS-Mono's")
+      ->check(CLI::ExistingFile);
+  sub->add_option("--image-topic", flight->image_topic, "Images; the camera YAML's without");
+}
+
 void AddInputOptions(CLI::App* sub, ViewsInput* input) {
-  sub->add_option("--bag", input->bag, "Bag with images, and VINS-Mono's keyframes if any")
-      ->required()
-      ->check(CLI::ExistingFile);
-  sub->add_option("--camera", input->camera, "Camera YAML, as VINS-Mono's")
-      ->required()
-      ->check(CLI::ExistingFile);
+  AddFlightOptions(sub, &input->flight);
+  sub->get_option("--camera")->required();
   sub->add_option(
          "--poses",
          input->poses,
@@ -99,7 +110,6 @@ void AddInputOptions(CLI::App* sub, ViewsInput* input) {
          "--preset", input->preset, "paper, wide, or a YAML file like config/views_paper.yaml")
       ->capture_default_str();
   sub->add_option("--set", input->overrides, "Override of the preset: group.key=value")->take_all();
-  sub->add_option("--image-topic", input->image_topic, "Images; the camera YAML's without");
   sub->add_option("--sources", input->sources, "Images that may get views; auto: keyframes if any")
       ->check(CLI::IsMember({"auto", "keyframes", "images"}))
       ->capture_default_str();
@@ -117,7 +127,8 @@ void AddInputOptions(CLI::App* sub, ViewsInput* input) {
 }
 
 void AddRender(CLI::App* views, Command* command) {
-  CLI::App* sub = views->add_subcommand("render", "Add virtual views to a bag");
+  CLI::App* sub =
+      views->add_subcommand("render", "Add virtual views to a bag or a folder of images");
   auto request = std::make_shared<ViewsRenderRequest>();
   auto json_file = std::make_shared<std::string>();
   AddInputOptions(sub, &request->input);
@@ -138,8 +149,11 @@ void AddRender(CLI::App* views, Command* command) {
   sub->add_option("--json", *json_file, "File for the figures");
   sub->footer(
       "Unfinished work is kept in OUT.work; the same command goes on from there.\n"
-      "Example:\n  deja_view views render --bag hall.bag --camera euroc.yaml --poses truth.txt "
-      "--model hall.dvn --preset wide --out hall_views.bag");
+      "Examples:\n"
+      "  deja_view views render --bag hall.bag --camera euroc.yaml --poses truth.txt --model "
+      "hall.dvn --preset wide --out hall_views.bag\n"
+      "  deja_view views render --images MH_01_easy --camera euroc.yaml --poses MH_01_easy --model "
+      "mh_01.dvn --out mh_01_views.bag");
   sub->callback([=] {
     *command = Reporting(
         json_file,
@@ -153,14 +167,17 @@ void AddMerge(CLI::App* views, Command* command) {
   CLI::App* sub = views->add_subcommand("merge", "Put the parts of views render --shard together");
   auto request = std::make_shared<ViewsMergeRequest>();
   auto json_file = std::make_shared<std::string>();
-  sub->add_option("--bag", request->bag, "The bag that views were rendered for")
-      ->required()
-      ->check(CLI::ExistingFile);
+  AddFlightOptions(sub, &request->flight);
   sub->add_option("parts", request->parts, "Bags of all shards, in any order")
       ->required()
       ->check(CLI::ExistingFile);
   sub->add_option("--out", request->out, "Bag to write")->required();
   sub->add_option("--json", *json_file, "File for the figures");
+  sub->footer(
+      "The flight is given as to views render.\n"
+      "Examples:\n  deja_view views merge --bag hall.bag parts/*.bag --out hall_views.bag\n"
+      "  deja_view views merge --images MH_01_easy --camera euroc.yaml parts/*.bag --out "
+      "mh_01_views.bag");
   sub->callback([=] {
     *command = Reporting(
         json_file, [request] { return RunViewsMerge(*request); }, PrintFigures, kNothingLeft);
@@ -174,7 +191,7 @@ void AddCheck(CLI::App* views, Command* command) {
   auto json_file = std::make_shared<std::string>();
   AddInputOptions(sub, &request->input);
   sub->get_option("--model")->required();
-  sub->add_option("--images", request->images, "Images, spread over the flight")
+  sub->add_option("--count", request->count, "Images to check, spread over the flight")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   sub->add_option("--ways", request->ways, "Only these ways of rendering; all without")

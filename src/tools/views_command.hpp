@@ -9,18 +9,24 @@
 
 namespace deja_view {
 
+/// A flight: exactly one of bag and images is given.
+struct FlightFiles {
+  std::filesystem::path bag;
+  std::filesystem::path images;  ///< OpenImageFlight
+  std::filesystem::path camera;  ///< VINS-Mono's YAML
+  std::string image_topic;       ///< empty: the camera YAML's
+};
+
 /// What views are made of: a flight, its poses and a model of the scene.
 struct ViewsInput {
-  std::filesystem::path bag;
-  std::filesystem::path camera;  ///< VINS-Mono's YAML
-  std::string poses;             ///< ReadFlightPoses
+  FlightFiles flight;
+  std::string poses;  ///< ReadFlightPoses
   std::string poses_of = "body";
   std::string align_to = "auto";  ///< poses to compare with: auto (the VIO's in the bag, if any),
                                   ///< off, or ReadFlightPoses of the body
   std::filesystem::path model;    ///< a radiance field
   std::string preset = "paper";   ///< paper, wide or a ViewOptions file
   std::vector<std::string> overrides;  ///< "group.key=value" on top
-  std::string image_topic;             ///< empty: the camera YAML's
   std::string sources = "auto";        ///< SourceKind
   std::filesystem::path places;  ///< TUM: only images at its stamps; empty: as the preset says
   int threads = 0;
@@ -41,7 +47,7 @@ struct ViewsRenderRequest {
 
 /// What `deja_view views merge` is told.
 struct ViewsMergeRequest {
-  std::filesystem::path bag;
+  FlightFiles flight;  ///< of a bag, the camera is not needed
   std::vector<std::filesystem::path> parts;
   std::filesystem::path out;
 };
@@ -49,7 +55,7 @@ struct ViewsMergeRequest {
 /// What `deja_view views check` is told.
 struct ViewsCheckRequest {
   ViewsInput input;
-  int images = 40;                ///< spread over the flight
+  int count = 40;                 ///< images, spread over the flight
   std::filesystem::path network;  ///< FSRCNN; empty: the preset's
   std::vector<std::string> ways;  ///< direct, bicubic, patches, fsrcnn; empty: all
 };

@@ -35,27 +35,30 @@ Trajectory OfCamera(PoseSource source, const Rigid3& T_B_C) {
   return source.is_of_camera ? std::move(source.trajectory) : Transform(source.trajectory, T_B_C);
 }
 
+const std::string& ImageTopic(const FlightFiles& files, const VinsConfig& config) {
+  return files.image_topic.empty() ? config.image_topic : files.image_topic;
+}
+
 // The VIO's poses of the camera, where there are any.
-std::optional<Trajectory> ReadReference(const ViewsInput& input, const Rigid3& T_B_C) {
-  const std::string topic = VioTopics().keyframe_pose;
-  if (input.align_to == "off" ||
-      (input.align_to == "auto" && !BagReader(input.bag).HasTopic(topic))) {
+std::optional<Trajectory> ReadReference(const ViewsInput& input, const ViewJob& job) {
+  const std::string& topic = job.topics.keyframe_pose;
+  if (input.align_to == "off" || (input.align_to == "auto" && !job.flight->HasTopic(topic))) {
     return std::nullopt;
   }
-  return OfCamera(
-      ReadFlightPoses(input.align_to == "auto" ? topic : input.align_to, input.bag, false), T_B_C);
+  const std::string& poses = input.align_to == "auto" ? topic : input.align_to;
+  return OfCamera(ReadFlightPoses(poses, input.flight.bag, false), job.T_B_C);
 }
 
 // Reads the poses of the camera into the job, in metres.
-PoseFrame ReadPoses(const ViewsInput& input, const Rigid3& T_B_C, ViewJob* job) {
-  PoseSource source = ReadFlightPoses(input.poses, input.bag, input.poses_of == "camera");
+PoseFrame ReadPoses(const ViewsInput& input, ViewJob* job) {
+  PoseSource source = ReadFlightPoses(input.poses, input.flight.bag, input.poses_of == "camera");
   // What is not to be aligned is taken to be in metres.
   const bool has_scale = source.has_scale || input.align_to == "off";
-  const Trajectory T_N_C = OfCamera(std::move(source), T_B_C);
+  const Trajectory T_N_C = OfCamera(std::move(source), job->T_B_C);
   const PoseFrame frame =
       FindPoseFrame(T_N_C,
                     has_scale,
-                    ReadReference(input, T_B_C),
+                    ReadReference(input, *job),
                     job->options.poses,
                     fmt::format("{}, against the VIO (--align-to)", input.poses));
   job->T_N_C = has_scale ? T_N_C : Transform(frame.W_N, T_N_C);
@@ -69,14 +72,31 @@ PoseFrame ReadPoses(const ViewsInput& input, const Rigid3& T_B_C, ViewJob* job) 
 
 }  // namespace
 
+std::shared_ptr<const ViewFlight> OpenFlight(const FlightFiles& files) {
+  if (files.bag.empty() == files.images.empty()) {
+    ThrowInputError("expected either --bag or --images, found {}",
+                    files.bag.empty() ? "none" : "both");
+  }
+  if (files.images.empty()) {
+    return OpenBagFlight(files.bag);
+  }
+  if (files.camera.empty()) {
+    ThrowInputError("--images needs --camera");
+  }
+  const VinsConfig config = ReadVinsConfig(files.camera);
+  return OpenImageFlight(files.images, ImageTopic(files, config), config.camera);
+}
+
 PosedJob ReadViewsInput(const ViewsInput& input) {
   PosedJob posed;
   ViewJob& job = posed.job;
-  const VinsConfig config = ReadVinsConfig(input.camera);
-  job.bag = input.bag;
+  const VinsConfig config = ReadVinsConfig(input.flight.camera);
+  job.flight = OpenFlight(input.flight);
   job.camera = config.camera;
   job.T_B_C = config.T_B_C;
-  job.topics.image = input.image_topic.empty() ? config.image_topic : input.image_topic;
+  job.topics.image = ImageTopic(input.flight, config);
+  // Those of a bag are in it already.
+  job.pose_topic = input.flight.bag.empty() ? "/odometry" : "";
   job.sources = EnumFromString<SourceKind>(input.sources).value();
   const fs::path preset = FindPreset(input.preset);
   ReadOptions(preset, &job.options);
@@ -85,7 +105,7 @@ PosedJob ReadViewsInput(const ViewsInput& input) {
   }
   std::filesystem::path& network = job.options.rendering.network;
   network = FindNetwork(network, NetworkDirectories(preset));
-  posed.poses = ReadPoses(input, config.T_B_C, &job);
+  posed.poses = ReadPoses(input, &job);
   if (!input.places.empty()) {
     job.source_stamps_ns = ReadTum(input.places).stamps_ns;
   }

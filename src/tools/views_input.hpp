@@ -16,6 +16,9 @@ struct PosedJob {
   PoseFrame poses;
 };
 
+/// Throws InputError unless exactly one of bag and images is given, images with a camera.
+std::shared_ptr<const ViewFlight> OpenFlight(const FlightFiles& files);
+
 /// What the input describes. Says on stderr how the poses fit those of the VIO, unless quiet.
 PosedJob ReadViewsInput(const ViewsInput& input);
 

@@ -55,6 +55,13 @@ std::string DescribeSettings(const ViewsRenderRequest& request, const ViewOption
 
 ViewRendererFactory MakeFactory(const ViewsRenderRequest& request, const PosedJob& posed) {
   if (request.renderer == "warp") {
+    const std::string& points = posed.job.topics.keyframe_point;
+    if (!posed.job.flight->HasTopic(points)) {
+      ThrowInputError(
+          "{}: no topic '{}': expected the VIO's points, by which --renderer warp works",
+          posed.job.flight->path().string(),
+          points);
+    }
     return WarpFactory(posed.job.camera);
   }
   if (request.input.model.empty()) {
@@ -138,7 +145,7 @@ Json RunViewsRender(const ViewsRenderRequest& request) {
 }
 
 Json RunViewsMerge(const ViewsMergeRequest& request) {
-  const ViewReport report = MergeViews(request.bag, request.parts, request.out);
+  const ViewReport report = MergeViews(*OpenFlight(request.flight), request.parts, request.out);
   Json json;
   json["views"] = report.views;
   json["bytes_per_view"] = PerView(report);

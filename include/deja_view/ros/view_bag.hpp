@@ -29,14 +29,14 @@ struct ViewShard {
   int count = 1;
 };
 
-/// From a bag to the same bag with virtual views.
+/// From a flight to a bag of it with virtual views.
 struct ViewJob {
-  std::filesystem::path bag;
+  std::shared_ptr<const ViewFlight> flight;
   std::filesystem::path out;
   VioTopics topics;
   SourceKind sources = SourceKind::kAuto;
   std::shared_ptr<const Camera> camera;
-  Rigid3 T_B_C;      ///< of the VIO, whose tracked points a renderer may want
+  Rigid3 T_B_C;      ///< of the VIO, whose tracked points a renderer may want, and of pose_topic
   Trajectory T_N_C;  ///< [m]
   /// Only the images at these stamps get views, all of them; empty: those that options.sources
   /// says.
@@ -45,6 +45,9 @@ struct ViewJob {
   ViewContent content;
   std::string settings;  ///< all that decides what the views look like, as text; goes to the bag
   ViewShard shard;       ///< of more than one: only the share's views are written, for MergeViews
+  /// nav_msgs/Odometry of the body at the images, for a flight that has no poses of its own; empty:
+  /// none.
+  std::string pose_topic;
   bool plain_topics = false;  ///< also Image, CameraInfo and PoseStamped, for rqt and RViz
   bool resume = true;         ///< use finished results of the same settings
   int threads = 0;
@@ -70,7 +73,7 @@ struct ViewReport {
 using ViewRendererFactory = std::function<std::shared_ptr<const ViewRenderer>(
     const ViewSource& source, const std::vector<RangeSample>& points)>;
 
-/// Renders the views of a bag's images and writes the new bag: all messages of the old one, byte
+/// Renders the views of a flight's images and writes the new bag: all messages of the flight, byte
 /// for byte, and the views right behind their source images, 1 ns apart. What is finished is kept
 /// in the directory `out`.work until the bag is whole. `on_progress(done, total)` is called after
 /// each source, by one thread at a time, and may throw to interrupt. The same job gives the same
@@ -84,8 +87,8 @@ ViewReport RenderViews(const ViewJob& job,
 
 /// Puts the shares together: gives the same file as RenderViews in one run. Throws InputError when
 /// a part is missing or given twice, or when they were made with different settings or of another
-/// bag.
-ViewReport MergeViews(const std::filesystem::path& bag,
+/// flight.
+ViewReport MergeViews(const ViewFlight& flight,
                       const std::vector<std::filesystem::path>& parts,
                       const std::filesystem::path& out);
 

@@ -2,8 +2,7 @@
 
 #include "deja_view/base/enum_names.hpp"
 #include "deja_view/geometry/trajectory.hpp"
-#include "deja_view/ros/bag_reader.hpp"
-#include "deja_view/ros/bag_replay.hpp"
+#include "deja_view/ros/view_flight.hpp"
 #include "deja_view/views/depth_warp_renderer.hpp"
 #include "deja_view/views/view_maker.hpp"
 
@@ -16,9 +15,9 @@
 
 namespace deja_view {
 
-/// Which images of a bag may get views.
+/// Which images of a flight may get views.
 enum class SourceKind {
-  kAuto,       ///< keyframes where the bag has them, all images otherwise
+  kAuto,       ///< keyframes where the flight has them, all images otherwise
   kKeyframes,  ///< images with the stamp of a keyframe pose
   kImages,     ///< all
 };
@@ -31,22 +30,22 @@ struct EnumNames<SourceKind> {
        {SourceKind::kImages, "images"}}};
 };
 
-/// An image of a bag with a pose.
+/// An image of a flight with a pose.
 struct SourceImage {
   std::int64_t stamp_ns = 0;     ///< of its header
-  std::int64_t recorded_ns = 0;  ///< when the bag says it came
+  std::int64_t recorded_ns = 0;  ///< when the flight says it came
   Rigid3 T_N_C;
 };
 
-/// Images of a bag that have a pose at their stamp, in the order of recording, each stamp once.
+/// Images of a flight that have a pose at their stamp, in the order of recording, each stamp once.
 struct SourceImages {
   std::vector<SourceImage> images;
   std::int64_t without_pose = 0;
 };
 
 /// Finds the images; their poses are interpolated over at most `max_gap_ns`. Throws InputError when
-/// the bag lacks a topic that is needed, and when no image has a pose.
-SourceImages FindSourceImages(const BagReader& bag,
+/// the flight lacks a topic that is needed, and when no image has a pose.
+SourceImages FindSourceImages(const ViewFlight& flight,
                               const VioTopics& topics,
                               SourceKind kind,
                               const Trajectory& T_N_C,
@@ -60,7 +59,7 @@ std::vector<SourceImage> SelectSourceImages(const std::vector<SourceImage>& imag
 std::vector<SourceImage> SourceImagesAt(const std::vector<SourceImage>& images,
                                         const std::vector<std::int64_t>& stamps_ns);
 
-/// An image of a bag, decoded.
+/// An image of a flight, decoded.
 struct LoadedSource {
   ViewSource source;
   std::int64_t recorded_ns = 0;
@@ -70,7 +69,7 @@ struct LoadedSource {
 
 /// Decodes `images`, in the order of recording, and hands over one after the other. Throws
 /// InputError that names the topic for an image of another size than the camera's.
-void ReadSourceImages(const BagReader& bag,
+void ReadSourceImages(const ViewFlight& flight,
                       const VioTopics& topics,
                       const Camera& camera,
                       const Rigid3& T_B_C,

@@ -19,11 +19,6 @@
 /// their count and first names, unless `skip_missing` leaves them out.
 namespace deja_view::nerf {
 
-/// Image files of a directory, without its subdirectories, sorted by name. Depth maps
-/// ("*.depth.*") are none. Throws InputError that names the directory when it can't be read or
-/// holds no image.
-std::vector<std::filesystem::path> ListImages(const std::filesystem::path& directory);
-
 /// Gives each image, by its stamp, the pose of a trajectory T_N_B, interpolated over at most 0.1 s;
 /// T_B_C is the identity for a trajectory of the camera. `where` names the images in errors.
 std::vector<PosedImage> AttachPoses(std::vector<PosedImage> images,
@@ -32,8 +27,7 @@ std::vector<PosedImage> AttachPoses(std::vector<PosedImage> images,
                                     bool skip_missing,
                                     const std::string& where);
 
-/// Images named by their stamps (ParseImageStamp) in `directory`, or in its mav0/cam0/data, of a
-/// trajectory (AttachPoses).
+/// Images named by their stamps (ListStampedImages), of a trajectory (AttachPoses).
 std::vector<PosedImage> ReadTrajectoryImages(const std::filesystem::path& directory,
                                              std::shared_ptr<const Camera> camera,
                                              const Rigid3& T_B_C,
