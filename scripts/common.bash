@@ -19,6 +19,19 @@ fail() {
 # Prints the comment at the top of the calling script, without its marks.
 usage() { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"; }
 
+# Sets `rank` and `count` to this process's number and that of all, of MPI or a Slurm array; 0 and 1 without these.
+share_of_work() {
+  if [ -n "${OMPI_COMM_WORLD_RANK:-}" ]; then
+    rank=$OMPI_COMM_WORLD_RANK count=$OMPI_COMM_WORLD_SIZE
+  elif [ -n "${PMI_RANK:-}" ]; then
+    rank=$PMI_RANK count=$PMI_SIZE
+  elif [ -n "${SLURM_ARRAY_TASK_ID:-}" ]; then
+    rank=$((SLURM_ARRAY_TASK_ID - SLURM_ARRAY_TASK_MIN)) count=$SLURM_ARRAY_TASK_COUNT
+  else
+    rank=0 count=1
+  fi
+}
+
 # configure DIRECTORY [CMake arguments...]: quiet unless it fails; keeps what was chosen before.
 configure() {
   local directory=$1

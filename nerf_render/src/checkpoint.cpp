@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::array<char, 8> kMagic = {'D', 'V', 'N', 'E', 'R', 'F', '\r', '\n'};
 constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kCellsVersion = 3;  // the same, and cells behind it
 
 struct Header {
   std::array<char, 8> magic;
@@ -120,9 +121,11 @@ class Reader {
     if (header.magic != kMagic) {
       ThrowInputError("{}: is no NeRF model (its first bytes are others)", path_);
     }
-    if (header.version != kVersion || header.reserved != 0) {
-      ThrowInputError("{}: version {}, expected {}", path_, header.version, kVersion);
+    if ((header.version != kVersion && header.version != kCellsVersion) || header.reserved != 0) {
+      ThrowInputError(
+          "{}: version {}, expected {} or {}", path_, header.version, kVersion, kCellsVersion);
     }
+    has_cells_ = header.version == kCellsVersion;
     left_ = size - sizeof(Header) - 8;
     if (header.body_size != left_) {
       ThrowInputError("{}: says {} bytes of content, has {}", path_, header.body_size, left_);
@@ -180,12 +183,14 @@ class Reader {
     }
   }
   std::uint64_t left() const { return left_; }
+  bool has_cells() const { return has_cells_; }
   const std::string& path() const { return path_; }
 
  private:
   std::string path_;
   std::ifstream stream_;
   std::uint64_t left_ = 0;
+  bool has_cells_ = false;
   Checksum checksum_;
 };
 
@@ -250,6 +255,30 @@ void ReadExposures(Reader* reader, RadianceField* field) {
   }
 }
 
+void ReadCells(Reader* reader, SceneCells* cells) {
+  cells->index = reader->Value<std::int32_t>();
+  const auto count = reader->Value<std::uint32_t>();
+  if (count == 0 || count > reader->left() / (6 * sizeof(double)) || cells->index < 0 ||
+      static_cast<std::uint32_t>(cells->index) >= count) {
+    ThrowInputError("{}: sub-map {} of {} makes no sense", reader->path(), cells->index, count);
+  }
+  cells->cells.resize(count);
+  for (SceneCell& cell : cells->cells) {
+    cell.Visit(*reader);
+    if (!(cell.max.array() > cell.min.array()).all()) {
+      ThrowInputError("{}: a sub-map's cell is empty", reader->path());
+    }
+  }
+}
+
+void WriteCells(const SceneCells& cells, Writer* writer) {
+  writer->Value(static_cast<std::int32_t>(cells.index));
+  writer->Value(static_cast<std::uint32_t>(cells.cells.size()));
+  for (SceneCell cell : cells.cells) {
+    cell.Visit(*writer);
+  }
+}
+
 void WriteBody(const RadianceField& field, Writer* writer) {
   FieldOptions options = field.options;
   MarchOptions march = field.march;
@@ -281,6 +310,9 @@ void WriteBody(const RadianceField& field, Writer* writer) {
     writer->Value(k);
   }
   writer->Value(field.progress);
+  if (field.cells.IsCut()) {
+    WriteCells(field.cells, writer);
+  }
 }
 
 }  // namespace
@@ -288,7 +320,8 @@ void WriteBody(const RadianceField& field, Writer* writer) {
 void WriteField(const std::filesystem::path& path, const RadianceField& field) {
   Writer counter(nullptr);
   WriteBody(field, &counter);
-  const Header header{kMagic, kVersion, 0, counter.size()};
+  const std::uint32_t version = field.cells.IsCut() ? kCellsVersion : kVersion;
+  const Header header{kMagic, version, 0, counter.size()};
   WriteFileAtomically(path, [&](std::ostream& out) {
     char raw[sizeof(Header)];
     std::memcpy(raw, &header, sizeof(Header));
@@ -351,6 +384,9 @@ RadianceField ReadField(const std::filesystem::path& path) {
     k = reader.Value<float>();
   }
   field.progress = reader.Value<float>();
+  if (reader.has_cells()) {
+    ReadCells(&reader, &field.cells);
+  }
   reader.Finish();
   if (!(field.progress >= 0 && field.progress <= 1)) {
     ThrowInputError("{}: its progress {} is not in [0, 1]", path.string(), field.progress);

@@ -394,6 +394,10 @@ StepReport Trainer::Step(double progress) {
   return impl_->Step(progress);
 }
 
+void Trainer::SetCells(SceneCells cells) {
+  impl_->field().cells = std::move(cells);
+}
+
 const RadianceField& Trainer::field() const {
   return impl_->field();
 }

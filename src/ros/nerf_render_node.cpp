@@ -118,11 +118,13 @@ int NerfRenderNode::Run(const std::atomic<bool>& stop) {
   worker_.join();
   const ViewQueueCounts counts = queue_->counts();
   ROS_INFO(
-      "nerf_render: %ld images, %ld without pose, %ld chosen, %ld dropped; %ld views, %ld problems",
+      "nerf_render: %ld images, %ld without pose, %ld chosen, %ld dropped, %ld of other sub-maps; "
+      "%ld views, %ld problems",
       static_cast<long>(counts.images),
       static_cast<long>(counts.without_pose),
       static_cast<long>(counts.sources),
       static_cast<long>(counts.dropped),
+      static_cast<long>(elsewhere_),
       static_cast<long>(views_),
       static_cast<long>(problems_));
   return 0;
@@ -207,6 +209,10 @@ void NerfRenderNode::Render(const PosedSource& posed) {
   }
   if (scene == nullptr) {
     ThrowInputError("no model is loaded: expected a call of ~load_model first");
+  }
+  if (!scene->renderer->field().cells.IsOwn(posed.T_N_C.t)) {
+    ++elsewhere_;
+    return;
   }
   const ViewSource source{posed.stamp_ns, posed.image(), posed.T_N_C};
   if (source.image.cols != vins_.camera->width() || source.image.rows != vins_.camera->height()) {

@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <chrono>
 #include <mutex>
-#include <set>
 #include <thread>
 #include <utility>
 
@@ -27,14 +26,24 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-std::vector<SourceImage> ShareOf(const std::vector<SourceImage>& images, const ViewShard& shard) {
+// Of the sub-map's own images, every shard.count-th.
+std::vector<SourceImage> ShareOf(const std::vector<SourceImage>& images,
+                                 const ViewSubMap& sub_map,
+                                 const Shard& shard) {
   std::vector<SourceImage> share;
-  for (std::size_t i = 0; i < images.size(); ++i) {
-    if (i % static_cast<std::size_t>(shard.count) == static_cast<std::size_t>(shard.index)) {
-      share.push_back(images[i]);
+  int number = 0;
+  for (const SourceImage& image : images) {
+    const bool is_own = sub_map.shard.count == 1 || sub_map.is_own(image.T_N_C.t);
+    if (is_own && number++ % shard.count == shard.index) {
+      share.push_back(image);
     }
   }
   return share;
+}
+
+// All that decides what this job's views look like.
+std::string OwnSettings(const ViewJob& job) {
+  return job.sub_map.settings + job.settings;
 }
 
 // Of all that decides about the views but the images' content.
@@ -178,9 +187,10 @@ void WritePart(const fs::path& path,
   const ViewTopics topics;
   BagWriter bag(path);
   std_msgs::String label;
-  label.data = internal::FormatLabel({job.shard, job_hash, job.settings});
+  label.data = internal::FormatLabel(
+      {job.shard, job.sub_map.shard, job.sub_map.settings, job_hash, job.settings});
   bag.Write(topics.settings, 1, label);
-  if (job.shard.index == 0) {
+  if (job.shard.index == 0 && job.sub_map.shard.index == 0) {
     WritePoses(job, all, &bag);
   }
   for (const SourceImage& image : share) {
@@ -197,71 +207,6 @@ void WritePart(const fs::path& path,
   bag.Close();
 }
 
-// One share of the views, read back.
-struct Part {
-  std::unique_ptr<BagReader> bag;
-  internal::PartLabel label;
-  std::vector<rosbag::MessageInstance> messages;
-};
-
-Part ReadPart(const fs::path& path) {
-  const ViewTopics topics;
-  Part part;
-  part.bag = std::make_unique<BagReader>(path);
-  part.bag->RequireTopic(topics.settings, {"std_msgs/String"});
-  part.bag->ReadAll([&part, &topics, &path](const rosbag::MessageInstance& instance) {
-    if (instance.getTopic() == topics.settings) {
-      part.label =
-          internal::ParseLabel(Instantiate<std_msgs::String>(instance)->data, path.string());
-    } else {
-      part.messages.push_back(instance);
-    }
-  });
-  return part;
-}
-
-void CheckParts(const std::vector<Part>& parts, const std::vector<fs::path>& paths) {
-  std::set<int> indices;
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    const internal::PartLabel& label = parts[i].label;
-    const internal::PartLabel& first = parts.front().label;
-    if (label.job_hash != first.job_hash || label.settings != first.settings ||
-        label.shard.count != first.shard.count) {
-      ThrowInputError(
-          "{}: made of another flight, with other settings or another number of parts "
-          "than {}",
-          paths[i].string(),
-          paths.front().string());
-    }
-    if (!indices.insert(label.shard.index).second) {
-      ThrowInputError("{}: part {} of {} is given twice",
-                      paths[i].string(),
-                      label.shard.index,
-                      label.shard.count);
-    }
-  }
-  const int count = parts.front().label.shard.count;
-  for (int i = 0; i < count; ++i) {
-    if (indices.count(i) == 0) {
-      ThrowInputError(
-          "{}: part {} of {} is missing among those given", paths.front().string(), i, count);
-    }
-  }
-}
-
-std::vector<const rosbag::MessageInstance*> SortByTime(const std::vector<Part>& parts) {
-  std::vector<const rosbag::MessageInstance*> messages;
-  for (const Part& part : parts) {
-    for (const rosbag::MessageInstance& message : part.messages) {
-      messages.push_back(&message);
-    }
-  }
-  std::stable_sort(messages.begin(), messages.end(), [](const auto* a, const auto* b) {
-    return a->getTime() < b->getTime();
-  });
-  return messages;
-}
-
 }  // namespace
 
 ViewReport RenderViews(
@@ -275,7 +220,7 @@ ViewReport RenderViews(
   const std::vector<SourceImage> selected =
       job.source_stamps_ns.empty() ? SelectSourceImages(all.images, job.options.sources)
                                    : SourceImagesAt(all.images, job.source_stamps_ns);
-  const std::vector<SourceImage> share = ShareOf(selected, job.shard);
+  const std::vector<SourceImage> share = ShareOf(selected, job.sub_map, job.shard);
   const std::uint64_t job_hash = HashJob(job, selected);
 
   ViewReport report;
@@ -283,7 +228,7 @@ ViewReport RenderViews(
   report.without_pose = all.without_pose;
   report.sources = static_cast<std::int64_t>(share.size());
   const fs::path work = job.out.string() + ".work";
-  const ViewStore store(work, job_hash);
+  const ViewStore store(work, job_hash ^ HashText(job.sub_map.settings));
   std::vector<SourceImage> missing;
   for (const SourceImage& image : share) {
     if (!job.resume || !store.Read(image.stamp_ns)) {
@@ -298,12 +243,12 @@ ViewReport RenderViews(
     flown_N.push_back(image.T_N_C.t);
   }
   const ViewMaker maker(
-      job.options, job.content, job.camera, std::move(flown_N), HashText(job.settings));
+      job.options, job.content, job.camera, std::move(flown_N), HashText(OwnSettings(job)));
   std::size_t done = share.size() - missing.size();
   MakeMissing(
       job, maker, make_renderer, missing, store, [&] { on_progress(++done, share.size()); });
 
-  const bool is_whole = job.shard.count == 1;
+  const bool is_whole = job.shard.count == 1 && job.sub_map.shard.count == 1;
   const fs::path part = is_whole ? work / "views.bag" : job.out;
   WritePart(part, job, job_hash, all.images, share, store, &report);
   if (is_whole) {
@@ -312,53 +257,6 @@ ViewReport RenderViews(
     fs::remove(part, error);
   }
   store.Remove();
-  return report;
-}
-
-ViewReport MergeViews(const ViewFlight& flight,
-                      const std::vector<fs::path>& part_paths,
-                      const fs::path& out) {
-  DEJA_VIEW_CHECK(!part_paths.empty());
-  const ViewTopics topics;
-  if (flight.HasTopic(topics.frame)) {
-    ThrowInputError("{}: has virtual views on {} already: expected the bag of a flight",
-                    flight.path().string(),
-                    topics.frame);
-  }
-  std::vector<Part> parts;
-  for (const fs::path& path : part_paths) {
-    parts.push_back(ReadPart(path));
-  }
-  CheckParts(parts, part_paths);
-  const std::vector<const rosbag::MessageInstance*> messages = SortByTime(parts);
-
-  ViewReport report;
-  BagWriter writer(out);
-  auto next = messages.begin();
-  const auto copy_next = [&] {
-    if ((*next)->getTopic() == topics.frame) {
-      ++report.views;
-      report.bytes += (*next)->size();
-    }
-    writer.Copy(**next++);
-  };
-  bool is_first = true;
-  flight.ReadAll([&](std::int64_t time_ns, const ViewFlight::WriteMessage& write) {
-    if (is_first) {
-      std_msgs::String settings;
-      settings.data = parts.front().label.settings;
-      writer.Write(topics.settings, time_ns, settings);
-      is_first = false;
-    }
-    while (next != messages.end() && ToNanoseconds((*next)->getTime()) < time_ns) {
-      copy_next();
-    }
-    write(&writer);
-  });
-  while (next != messages.end()) {
-    copy_next();
-  }
-  writer.Close();
   return report;
 }
 

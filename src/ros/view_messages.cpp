@@ -54,6 +54,26 @@ void WritePlain(const VirtualFrame& frame,
   bag->Write(topics.pose, ++*time_ns, pose);
 }
 
+// Takes "# sub-map i of n: settings" off the beginning of a label's settings, where it is.
+void ParseSubMap(const std::string& path, PartLabel* label) {
+  int length = 0;
+  std::string& text = label->settings;
+  Shard& sub_map = label->sub_map;
+  const int found =
+      std::sscanf(text.c_str(), "# sub-map %d of %d: %n", &sub_map.index, &sub_map.count, &length);
+  if (found < 1) {
+    return;
+  }
+  const auto at = static_cast<std::size_t>(length);
+  const std::size_t end = text.find('\n');
+  if (found != 2 || length == 0 || end == std::string::npos || sub_map.count < 2 ||
+      sub_map.index < 0 || sub_map.index >= sub_map.count) {
+    ThrowInputError("{}: '{}': expected '# sub-map i of n: settings'", path, text.substr(0, 80));
+  }
+  label->sub_map_settings = text.substr(at, end - at);
+  text.erase(0, end + 1);
+}
+
 }  // namespace
 
 void WriteViews(const SourceResult& result,
@@ -69,12 +89,24 @@ void WriteViews(const SourceResult& result,
   }
 }
 
+std::string NameOf(const PartLabel& label) {
+  std::string name = fmt::format("part {} of {}", label.shard.index, label.shard.count);
+  if (label.sub_map.count > 1) {
+    name += fmt::format(" of sub-map {} of {}", label.sub_map.index, label.sub_map.count);
+  }
+  return name;
+}
+
 std::string FormatLabel(const PartLabel& label) {
-  return fmt::format("# part {} of {}, job {:016x}\n{}",
-                     label.shard.index,
-                     label.shard.count,
-                     label.job_hash,
-                     label.settings);
+  std::string text = fmt::format(
+      "# part {} of {}, job {:016x}\n", label.shard.index, label.shard.count, label.job_hash);
+  if (label.sub_map.count > 1) {
+    text += fmt::format("# sub-map {} of {}: {}\n",
+                        label.sub_map.index,
+                        label.sub_map.count,
+                        label.sub_map_settings);
+  }
+  return text + label.settings;
 }
 
 PartLabel ParseLabel(const std::string& text, const std::string& path) {
@@ -96,6 +128,7 @@ PartLabel ParseLabel(const std::string& text, const std::string& path) {
   }
   label.job_hash = hash;
   label.settings = text.substr(at + 1);
+  ParseSubMap(path, &label);
   return label;
 }
 

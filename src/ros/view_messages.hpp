@@ -15,10 +15,15 @@ void WriteViews(const SourceResult& result,
 
 /// What a bag of views says about itself.
 struct PartLabel {
-  ViewShard shard;
-  std::uint64_t job_hash = 0;  ///< of bag, poses and settings
+  Shard shard;
+  Shard sub_map;
+  std::string sub_map_settings;  ///< ViewSubMap::settings
+  std::uint64_t job_hash = 0;    ///< of bag, poses and settings
   std::string settings;
 };
+
+/// "part 1 of 3", "part 0 of 1 of sub-map 1 of 2".
+std::string NameOf(const PartLabel& label);
 
 std::string FormatLabel(const PartLabel& label);
 /// Throws InputError that names `path` for other text.

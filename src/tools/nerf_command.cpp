@@ -157,7 +157,14 @@ void AddTrain(CLI::App* nerf, Command* command) {
   sub->add_option("--refined-poses",
                   request->refined_poses,
                   "File for the poses; they are corrected with --set refine_poses=true");
+  sub->add_option("--shard",
+                  request->shard,
+                  "Cut the scene into n sub-maps by where the cameras are, and train the field of "
+                  "sub-map i: i/n");
   sub->add_option("--out", request->out, "Model file")->required();
+  sub->footer(
+      "Example, the second half of a large place:\n  deja_view nerf train --images images --camera "
+      "euroc.yaml --poses truth.txt --shard 1/2 --out hall-1.dvn");
   sub->callback(
       [=] { *command = Reporting(json_file, [request] { return RunNerfTrain(*request); }); });
 }
@@ -172,6 +179,9 @@ void AddEval(CLI::App* nerf, Command* command) {
   sub->add_option("--pictures", request->pictures, "Directory for real | rendered | difference");
   sub->add_option("--views", request->views, "At most this many views; 0: all")
       ->check(CLI::NonNegativeNumber);
+  sub->add_option("--shard",
+                  request->shard,
+                  "Only held-out images of sub-map i of n: i/n; a sub-map's model: of its own");
   sub->add_option("--kernels", request->kernels, "Instructions: auto, portable, avx2, avx512")
       ->capture_default_str();
   sub->callback(

@@ -24,6 +24,7 @@ struct NerfTrainRequest {
   double checkpoint_s = 60;             ///< wall time between models written on the way; 0: none
   std::filesystem::path resume;         ///< a model to go on with; empty: a new one
   std::filesystem::path refined_poses;  ///< for poses as corrected; empty: not written
+  std::string shard;                    ///< sub-map i of n, "i/n"; empty: all in one field
   std::filesystem::path out;
   bool show_progress = true;
 };
@@ -34,6 +35,7 @@ struct NerfEvalRequest {
   std::filesystem::path model;
   std::filesystem::path pictures;  ///< directory for side-by-side pictures; empty: none
   int views = 0;                   ///< 0: all held-out ones
+  std::string shard;               ///< only those of a sub-map; empty: those of the model's
   int threads = 0;
   std::string kernels = "auto";
   bool show_progress = true;
@@ -70,8 +72,8 @@ struct NerfCompareRequest {
 
 /// Trains a field and writes it; the schedule follows the clock unless `steps` is given, so that
 /// only then two runs give the same model. Ctrl-C leaves the model as it is, for `resume`. Returns
-/// `steps, rays, samples, psnr_db (over the last training rays), train_wall_s, depth_points,
-/// rays_per_s, samples_per_s, interrupted, peak_rss_mb`.
+/// `shard, images, steps, rays, samples, psnr_db (over the last training rays), train_wall_s,
+/// depth_points, rays_per_s, samples_per_s, interrupted, peak_rss_mb`.
 nlohmann::ordered_json RunNerfTrain(const NerfTrainRequest& request);
 
 /// Renders held-out views; returns `psnr_db, ssim, corner_match_rate, corner_match_ceiling, views,

@@ -10,6 +10,7 @@
 #include "interrupt.hpp"
 #include "nerf_command.hpp"
 #include "nerf_evaluation.hpp"
+#include "sub_maps.hpp"
 #include "tool_figures.hpp"
 
 namespace deja_view {
@@ -27,6 +28,11 @@ Json RunNerfEval(const NerfEvalRequest& request) {
   if (split.held_out.empty()) {
     ThrowInputError("no image is held out: expected --holdout N as in the training");
   }
+  const nerf::SceneCells& cells = renderer.field().cells;
+  if (cells.IsCut()) {
+    CheckShard(request.shard, cells, request.model.string());
+  }
+  KeepOwnImages(cells.IsCut() ? cells : CutScene(split, request.shard), &split);
   if (request.views > 0 && split.held_out.size() > static_cast<std::size_t>(request.views)) {
     split.held_out.resize(static_cast<std::size_t>(request.views));
     split.depth_checks.clear();

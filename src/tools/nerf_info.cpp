@@ -1,11 +1,27 @@
 #include "deja_view/io/options_yaml.hpp"
 #include "deja_view/nerf/checkpoint.hpp"
 
+#include <cmath>
+
 #include "nerf_command.hpp"
+#include <fmt/format.h>
 
 namespace deja_view {
 
 using Json = nlohmann::ordered_json;
+
+namespace {
+
+// Null where there is no bound.
+Json ToJson(const Eigen::Vector3d& corner) {
+  Json json;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    json.push_back(std::isfinite(corner[axis]) ? Json(corner[axis]) : Json(nullptr));
+  }
+  return json;
+}
+
+}  // namespace
 
 Json RunNerfInfo(const std::filesystem::path& path) {
   const nerf::RadianceField field = nerf::ReadField(path);
@@ -17,8 +33,14 @@ Json RunNerfInfo(const std::filesystem::path& path) {
   json["bytes"] = std::filesystem::file_size(path);
   json["channels"] = field.channels;
   json["images"] = field.exposures.size();
-  json["box_min"] = {field.box.min.x(), field.box.min.y(), field.box.min.z()};
-  json["box_max"] = {field.box.max.x(), field.box.max.y(), field.box.max.z()};
+  json["trained_share"] = field.progress;
+  json["box_min"] = ToJson(field.box.min);
+  json["box_max"] = ToJson(field.box.max);
+  if (field.cells.IsCut()) {
+    json["shard"] = fmt::format("{}/{}", field.cells.index, field.cells.cells.size());
+    json["cell_min"] = ToJson(field.cells.own().min);
+    json["cell_max"] = ToJson(field.cells.own().max);
+  }
   json["parameters"] = field.geometry.parameters().size() + field.appearance.parameters().size() +
                        field.density.parameters().size() + field.color.parameters().size();
   json["occupied_share"] = static_cast<double>(field.occupancy.CountOccupied()) /

@@ -112,11 +112,12 @@ nerf::LoadOptions MakeLoadOptions(const NerfInput& input, int threads) {
   return options;
 }
 
-std::vector<nerf::TrainingView> LoadTrainingViews(const NerfInput& input, int threads) {
-  const nerf::Split split = ReadNerfInput(input);
+std::vector<nerf::TrainingView> LoadTrainingViews(const NerfInput& input,
+                                                  const std::vector<nerf::PosedImage>& images,
+                                                  int threads) {
   nerf::LoadOptions options = MakeLoadOptions(input, threads);
-  options.channels = input.grey ? 1 : nerf::CountChannels(split.training);
-  return nerf::LoadViews(split.training, options);
+  options.channels = input.grey ? 1 : nerf::CountChannels(images);
+  return nerf::LoadViews(images, options);
 }
 
 }  // namespace deja_view

@@ -38,7 +38,9 @@ nerf::Split ReadNerfInput(const NerfInput& input);
 /// How the images are decoded, as grey levels.
 nerf::LoadOptions MakeLoadOptions(const NerfInput& input, int threads);
 
-/// The decoded images that are not held out. Throws InputError.
-std::vector<nerf::TrainingView> LoadTrainingViews(const NerfInput& input, int threads);
+/// Decodes images of the input to train on. Throws InputError.
+std::vector<nerf::TrainingView> LoadTrainingViews(const NerfInput& input,
+                                                  const std::vector<nerf::PosedImage>& images,
+                                                  int threads);
 
 }  // namespace deja_view

@@ -1,6 +1,7 @@
 #include "deja_view/base/atomic_file.hpp"
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/progress.hpp"
+#include "deja_view/nerf/cell_images.hpp"
 #include "deja_view/nerf/checkpoint.hpp"
 #include "deja_view/nerf/posed_images.hpp"
 #include "deja_view/nerf/sparse_points.hpp"
@@ -14,6 +15,7 @@
 #include "interrupt.hpp"
 #include "nerf_command.hpp"
 #include "nerf_options.hpp"
+#include "sub_maps.hpp"
 #include "tool_figures.hpp"
 #include <fmt/format.h>
 
@@ -44,11 +46,44 @@ nerf::SceneBox MakeBox(const NerfTrainRequest& request,
   return box;
 }
 
+// What a training starts from.
+struct Beginning {
+  std::optional<nerf::RadianceField> field;  // to go on with
+  nerf::SceneCells cells;
+  std::vector<nerf::PosedImage> images;
+};
+
+Beginning Begin(const NerfTrainRequest& request) {
+  Beginning beginning;
+  nerf::Split split = ReadNerfInput(request.input);
+  if (request.resume.empty()) {
+    beginning.cells = CutScene(split, request.shard);
+  } else {
+    beginning.field = nerf::ReadField(request.resume);
+    if (beginning.field->progress >= 1) {
+      ThrowInputError("{}: its training is complete; nothing is left to resume",
+                      request.resume.string());
+    }
+    beginning.cells = beginning.field->cells;
+    CheckShard(request.shard, beginning.cells, request.resume.string());
+  }
+  const nerf::SceneCells& cells = beginning.cells;
+  beginning.images = cells.IsCut() ? nerf::SelectCellImages(split.training, cells.own())
+                                   : std::move(split.training);
+  if (beginning.images.empty()) {
+    ThrowInputError("none of the images to train on is of sub-map {}/{}",
+                    cells.shard().index,
+                    cells.shard().count);
+  }
+  return beginning;
+}
+
 nerf::Trainer MakeTrainer(const NerfTrainRequest& request,
                           const nerf::TrainOptions& options,
-                          std::vector<nerf::TrainingView> views) {
-  if (!request.resume.empty()) {
-    return nerf::Trainer(options, std::move(views), nerf::ReadField(request.resume));
+                          std::vector<nerf::TrainingView> views,
+                          std::optional<nerf::RadianceField> field) {
+  if (field) {
+    return nerf::Trainer(options, std::move(views), std::move(*field));
   }
   const nerf::SceneBox box = MakeBox(request, views);
   return nerf::Trainer(options, std::move(views), box);
@@ -175,7 +210,9 @@ Json RunNerfTrain(const NerfTrainRequest& request) {
   const Interrupt interrupt;
   const nerf::TrainOptions options =
       ReadTrainOptions(request.config, request.overrides, request.threads);
-  std::vector<nerf::TrainingView> views = LoadTrainingViews(request.input, request.threads);
+  Beginning beginning = Begin(request);
+  std::vector<nerf::TrainingView> views =
+      LoadTrainingViews(request.input, beginning.images, request.threads);
   if (request.sparse_points) {
     nerf::AddSparsePoints({}, request.threads, &views);
   }
@@ -184,13 +221,10 @@ Json RunNerfTrain(const NerfTrainRequest& request) {
   for (const nerf::TrainingView& view : views) {
     names.push_back(view.name);
   }
-  nerf::Trainer trainer = MakeTrainer(request, options, std::move(views));
-  const double done = static_cast<double>(trainer.field().progress);
-  if (done >= 1) {
-    ThrowInputError("{}: its training is complete; nothing is left to resume",
-                    request.resume.string());
-  }
-  const Schedule schedule(request, start, done);
+  nerf::Trainer trainer =
+      MakeTrainer(request, options, std::move(views), std::move(beginning.field));
+  trainer.SetCells(beginning.cells);
+  const Schedule schedule(request, start, static_cast<double>(trainer.field().progress));
   const auto train_start = Clock::now();
   TrainingSums sums;
   const bool interrupted = Train(request, interrupt, schedule, &trainer, &sums);
@@ -200,6 +234,10 @@ Json RunNerfTrain(const NerfTrainRequest& request) {
   }
   Json json;
   json["model"] = request.out.string();
+  if (beginning.cells.IsCut()) {
+    json["shard"] = fmt::format("{}/{}", beginning.cells.index, beginning.cells.cells.size());
+  }
+  json["images"] = names.size();
   json["steps"] = sums.steps;
   json["psnr_db"] = sums.psnr_db;
   json["train_wall_s"] = SecondsSince(start);

@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "interrupt.hpp"
 #include "tool_figures.hpp"
@@ -122,10 +124,11 @@ class Check {
  public:
   // `flown_N`: positions of the camera along the flight.
   Check(const ViewsCheckRequest& request,
-        const PosedJob& posed,
+        const ViewJob& job,
+        std::shared_ptr<const ViewRenderer> renderer,
         const std::vector<Eigen::Vector3d>& flown_N)
-      : job_(posed.job),
-        renderer_(ReadModel(request.input.model, posed.poses)),
+      : job_(job),
+        renderer_(std::move(renderer)),
         warp_(WarpFactory(job_.camera)),
         ways_(MakeWays(job_.options.rendering, request)),
         small_camera_(job_.camera->Scaled(job_.options.gate.scale)),
@@ -251,6 +254,15 @@ Pairs ChoosePairs(const std::vector<SourceImage>& all, int count) {
   return pairs;
 }
 
+std::vector<SourceImage> OwnImages(const std::vector<SourceImage>& images,
+                                   const ViewSubMap& sub_map) {
+  std::vector<SourceImage> own;
+  std::copy_if(images.begin(), images.end(), std::back_inserter(own), [&](const SourceImage& i) {
+    return sub_map.shard.count == 1 || sub_map.is_own(i.T_N_C.t);
+  });
+  return own;
+}
+
 std::vector<Eigen::Vector3d> Positions(const std::vector<SourceImage>& images) {
   std::vector<Eigen::Vector3d> positions;
   for (const SourceImage& image : images) {
@@ -267,12 +279,13 @@ Json RunViewsCheck(const ViewsCheckRequest& request) {
   const ViewJob& job = posed.job;
   const std::vector<SourceImage> images =
       FindSourceImages(*job.flight, job.topics, job.sources, job.T_N_C).images;
-  Check check(request, posed, Positions(images));
+  const ViewModel model = ReadModel(request.input.model, posed.poses);
+  Check check(request, job, model.renderer, Positions(images));
   std::optional<Progress> progress;
   if (request.input.show_progress) {
     progress.emplace("matching", "images", static_cast<std::size_t>(request.count));
   }
-  const Pairs pairs = ChoosePairs(images, request.count);
+  const Pairs pairs = ChoosePairs(OwnImages(images, model.sub_map), request.count);
   std::size_t done = 0;
   std::optional<LoadedSource> before;
   ReadSourceImages(*job.flight,

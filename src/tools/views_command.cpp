@@ -104,7 +104,10 @@ void AddInputOptions(CLI::App* sub, ViewsInput* input) {
                   "Poses of the body that tell whether --poses fit, and give those of COLMAP their "
                   "scale: auto (the VIO's in the bag, if any), off, or as --poses")
       ->capture_default_str();
-  sub->add_option("--model", input->model, "Radiance field, as `deja_view nerf train` writes it")
+  sub->add_option("--model",
+                  input->model,
+                  "Radiance field, as `deja_view nerf train` writes it; a sub-map's: only its own "
+                  "images get views, to be merged with the other sub-maps'")
       ->check(CLI::ExistingFile);
   sub->add_option(
          "--preset", input->preset, "paper, wide, or a YAML file like config/views_paper.yaml")
@@ -164,11 +167,12 @@ void AddRender(CLI::App* views, Command* command) {
 }
 
 void AddMerge(CLI::App* views, Command* command) {
-  CLI::App* sub = views->add_subcommand("merge", "Put the parts of views render --shard together");
+  CLI::App* sub = views->add_subcommand(
+      "merge", "Put the parts of views render --shard, and those of sub-maps, together");
   auto request = std::make_shared<ViewsMergeRequest>();
   auto json_file = std::make_shared<std::string>();
   AddFlightOptions(sub, &request->flight);
-  sub->add_option("parts", request->parts, "Bags of all shards, in any order")
+  sub->add_option("parts", request->parts, "Bags of all shards and sub-maps, in any order")
       ->required()
       ->check(CLI::ExistingFile);
   sub->add_option("--out", request->out, "Bag to write")->required();

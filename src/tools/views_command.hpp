@@ -60,9 +60,9 @@ struct ViewsCheckRequest {
   std::vector<std::string> ways;  ///< direct, bicubic, patches, fsrcnn; empty: all
 };
 
-/// Makes the bag; returns `alignment, images, without_pose, sources, resumed, not_recognised,
-/// views, not_free, uncertain, bytes_per_view, source_psnr_db, source_ms_median, wall_s,
-/// peak_rss_mb`.
+/// Makes the bag; returns `alignment, sub_map (of a sub-map's model), images, without_pose,
+/// sources, resumed, not_recognised, views, not_free, uncertain, bytes_per_view, source_psnr_db,
+/// source_ms_median, wall_s, peak_rss_mb`.
 nlohmann::ordered_json RunViewsRender(const ViewsRenderRequest& request);
 
 /// Returns `views, bytes_per_view`.

@@ -70,6 +70,16 @@ PoseFrame ReadPoses(const ViewsInput& input, ViewJob* job) {
   return frame;
 }
 
+std::string DescribeCells(const std::vector<nerf::SceneCell>& cells) {
+  std::string text;
+  for (const nerf::SceneCell& cell : cells) {
+    for (const Eigen::Vector3d& corner : {cell.min, cell.max}) {
+      text += fmt::format("{} {} {}\n", corner.x(), corner.y(), corner.z());
+    }
+  }
+  return text;
+}
+
 }  // namespace
 
 std::shared_ptr<const ViewFlight> OpenFlight(const FlightFiles& files) {
@@ -118,14 +128,27 @@ nlohmann::ordered_json ToJson(const PoseFrame& frame) {
                    : nlohmann::ordered_json{{"not_checked", frame.not_checked}};
 }
 
-std::shared_ptr<const ViewRenderer> ReadModel(const fs::path& path, const PoseFrame& frame) {
+ViewModel ReadModel(const fs::path& path, const PoseFrame& frame) {
   const auto renderer = std::make_shared<nerf::FieldRenderer>(
       std::make_shared<nerf::RadianceField>(nerf::ReadField(path)));
+  ViewModel model;
+  model.renderer = renderer;
   const bool is_moved = frame.W_N.scale != 1 || frame.W_N.T_A_B.t.norm() != 0;
   if (is_moved) {
-    return std::make_shared<SimilarityRenderer>(renderer, frame.W_N);
+    model.renderer = std::make_shared<SimilarityRenderer>(renderer, frame.W_N);
   }
-  return renderer;
+  model.settings = fmt::format("model: {} {:016x}\n", path.filename().string(), HashFile(path));
+  const nerf::SceneCells& cells = renderer->field().cells;
+  if (cells.IsCut()) {
+    model.sub_map.settings = model.settings.substr(0, model.settings.size() - 1);
+    model.settings = fmt::format(
+        "sub-maps: {} {:016x}\n", cells.cells.size(), HashText(DescribeCells(cells.cells)));
+    model.sub_map.shard = cells.shard();
+    model.sub_map.is_own = [cells, W_N = frame.W_N](const Eigen::Vector3d& p_W) {
+      return cells.IsOwn(W_N.T_A_B.Inverse() * p_W / W_N.scale);
+    };
+  }
+  return model;
 }
 
 std::uint64_t HashFile(const fs::path& path) {

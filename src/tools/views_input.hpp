@@ -25,9 +25,15 @@ PosedJob ReadViewsInput(const ViewsInput& input);
 /// How the poses fit, or `{"not_checked": why}`.
 nlohmann::ordered_json ToJson(const PoseFrame& frame);
 
-/// The model, in the job's world.
-std::shared_ptr<const ViewRenderer> ReadModel(const std::filesystem::path& path,
-                                              const PoseFrame& frame);
+/// A radiance field, in the job's world.
+struct ViewModel {
+  std::shared_ptr<const ViewRenderer> renderer;
+  ViewSubMap sub_map;    ///< what it is the model of
+  std::string settings;  ///< which model it is, or of sub-maps: how the scene is cut; a line
+};
+
+/// Throws InputError.
+ViewModel ReadModel(const std::filesystem::path& path, const PoseFrame& frame);
 
 /// Hash of a file's bytes; throws InputError that names it.
 std::uint64_t HashFile(const std::filesystem::path& path);

@@ -3,7 +3,7 @@
 #include "deja_view/io/options_yaml.hpp"
 
 #include <algorithm>
-#include <cstdio>
+#include <iostream>
 #include <optional>
 
 #include "interrupt.hpp"
@@ -16,17 +16,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-ViewShard ParseShard(const std::string& text) {
-  ViewShard shard;
-  int length = 0;
-  const int found = std::sscanf(text.c_str(), "%d/%d%n", &shard.index, &shard.count, &length);
-  if (found != 2 || static_cast<std::size_t>(length) != text.size() || shard.count < 1 ||
-      shard.count > 100000 || shard.index < 0 || shard.index >= shard.count) {
-    ThrowInputError("--shard {}: expected i/n with i from 0 to n - 1", text);
-  }
-  return shard;
-}
-
 ViewContent ParseContent(const ViewsRenderRequest& request) {
   ViewContent content;
   content.image = request.content != "features";
@@ -36,14 +25,14 @@ ViewContent ParseContent(const ViewsRenderRequest& request) {
 }
 
 // All that decides what the views look like, but the flight.
-std::string DescribeSettings(const ViewsRenderRequest& request, const ViewOptions& options) {
-  std::string text = fmt::format(
-      "renderer: {}\ncontent: {}\ndepth: {}\n", request.renderer, request.content, request.depth);
-  if (request.renderer == "nerf") {
-    text += fmt::format("model: {} {:016x}\n",
-                        request.input.model.filename().string(),
-                        HashFile(request.input.model));
-  }
+std::string DescribeSettings(const ViewsRenderRequest& request,
+                             const ViewOptions& options,
+                             const ViewModel& model) {
+  std::string text = fmt::format("renderer: {}\ncontent: {}\ndepth: {}\n{}",
+                                 request.renderer,
+                                 request.content,
+                                 request.depth,
+                                 model.settings);
   ViewOptions named = options;
   if (options.rendering.method == Upscaling::kFsrcnn) {
     text += fmt::format("network: {:016x}\n", HashFile(options.rendering.network));
@@ -53,22 +42,41 @@ std::string DescribeSettings(const ViewsRenderRequest& request, const ViewOption
   return text + OptionsToYaml(named);
 }
 
-ViewRendererFactory MakeFactory(const ViewsRenderRequest& request, const PosedJob& posed) {
+ViewRendererFactory MakeFactory(const ViewsRenderRequest& request,
+                                const ViewJob& job,
+                                const ViewModel& model) {
   if (request.renderer == "warp") {
-    const std::string& points = posed.job.topics.keyframe_point;
-    if (!posed.job.flight->HasTopic(points)) {
+    const std::string& points = job.topics.keyframe_point;
+    if (!job.flight->HasTopic(points)) {
       ThrowInputError(
           "{}: no topic '{}': expected the VIO's points, by which --renderer warp works",
-          posed.job.flight->path().string(),
+          job.flight->path().string(),
           points);
     }
-    return WarpFactory(posed.job.camera);
+    return WarpFactory(job.camera);
+  }
+  return [renderer = model.renderer](const ViewSource&, const std::vector<RangeSample>&) {
+    return renderer;
+  };
+}
+
+// None for the renderer that needs none.
+ViewModel ReadWantedModel(const ViewsRenderRequest& request, const PoseFrame& poses) {
+  if (request.renderer == "warp") {
+    return {};
   }
   if (request.input.model.empty()) {
     ThrowInputError("--model is missing: expected a radiance field, or --renderer warp");
   }
-  return [renderer = ReadModel(request.input.model, posed.poses)](
-             const ViewSource&, const std::vector<RangeSample>&) { return renderer; };
+  ViewModel model = ReadModel(request.input.model, poses);
+  const Shard& sub_map = model.sub_map.shard;
+  if (sub_map.count > 1 && request.input.show_progress) {
+    std::cerr << fmt::format(
+        "sub-map {} of {}: views of its own images, for `deja_view views merge` with the others'\n",
+        sub_map.index,
+        sub_map.count);
+  }
+  return model;
 }
 
 // A resumed run counts only what it still has to do, so that rate and time left are right.
@@ -106,7 +114,7 @@ Json RunViewsRender(const ViewsRenderRequest& request) {
   PosedJob posed = ReadViewsInput(request.input);
   ViewJob& job = posed.job;
   job.out = request.out;
-  job.shard = ParseShard(request.shard);
+  job.shard = ParseShard("--shard", request.shard);
   job.content = ParseContent(request);
   job.plain_topics = request.plain_topics;
   job.resume = request.resume;
@@ -118,15 +126,20 @@ Json RunViewsRender(const ViewsRenderRequest& request) {
     job.options.gate.max_depth_sigma = std::max(0.3, job.options.gate.max_depth_sigma);
     job.options.gate.min_certain_share = std::min(0.5, job.options.gate.min_certain_share);
   }
-  job.settings = DescribeSettings(request, job.options);
+  const ViewModel model = ReadWantedModel(request, posed.poses);
+  job.sub_map = model.sub_map;
+  job.settings = DescribeSettings(request, job.options, model);
   SourceProgress progress(request.input.show_progress);
   const ViewReport report =
-      RenderViews(job, MakeFactory(request, posed), [&](std::size_t done, std::size_t total) {
+      RenderViews(job, MakeFactory(request, job, model), [&](std::size_t done, std::size_t total) {
         progress.Update(done, total);
         interrupt.Check();
       });
   Json json;
   json["alignment"] = ToJson(posed.poses);
+  if (job.sub_map.shard.count > 1) {
+    json["sub_map"] = fmt::format("{}/{}", job.sub_map.shard.index, job.sub_map.shard.count);
+  }
   json["images"] = report.images;
   json["without_pose"] = report.without_pose;
   json["sources"] = report.sources;

@@ -86,6 +86,7 @@ class NerfRenderNode {
   std::shared_ptr<const Scene> scene_;
 
   std::atomic<std::int64_t> views_{0};
+  std::atomic<std::int64_t> elsewhere_{0};  ///< images whose views another sub-map's field gives
   std::atomic<std::int64_t> problems_{0};
   std::thread worker_;
   ros::Publisher publisher_;

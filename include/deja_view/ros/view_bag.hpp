@@ -1,5 +1,6 @@
 #pragma once
 
+#include "deja_view/base/shard.hpp"
 #include "deja_view/ros/view_sources.hpp"
 #include "deja_view/ros/view_store.hpp"
 #include "deja_view/views/depth_warp_renderer.hpp"
@@ -23,10 +24,13 @@ struct ViewTopics {
   std::string pose = "/virtual_cam0/pose";
 };
 
-/// One of `count` equal shares of the work.
-struct ViewShard {
-  int index = 0;
-  int count = 1;
+/// A part of a scene that has a model of its own.
+struct ViewSubMap {
+  Shard shard;  ///< one of how many; a count of 1: the model is of all
+  /// Whether the model is there for a camera at this place of the job's world. Every place is one
+  /// sub-map's.
+  std::function<bool(const Eigen::Vector3d& p_N)> is_own;
+  std::string settings;  ///< what only this one's views depend on, in one line: its model
 };
 
 /// From a flight to a bag of it with virtual views.
@@ -44,7 +48,8 @@ struct ViewJob {
   ViewOptions options;
   ViewContent content;
   std::string settings;  ///< all that decides what the views look like, as text; goes to the bag
-  ViewShard shard;       ///< of more than one: only the share's views are written, for MergeViews
+  Shard shard;           ///< of more than one: only the share's views are written, for MergeViews
+  ViewSubMap sub_map;    ///< of more than one: as well, and only its own images get views
   /// nav_msgs/Odometry of the body at the images, for a flight that has no poses of its own; empty:
   /// none.
   std::string pose_topic;
@@ -85,9 +90,9 @@ ViewReport RenderViews(const ViewJob& job,
                        const ViewRendererFactory& make_renderer,
                        const std::function<void(std::size_t done, std::size_t total)>& on_progress);
 
-/// Puts the shares together: gives the same file as RenderViews in one run. Throws InputError when
-/// a part is missing or given twice, or when they were made with different settings or of another
-/// flight.
+/// Puts the shares together, of all sub-maps: gives the same file as RenderViews in one run. Throws
+/// InputError when a part is missing or given twice, or when they were made with different settings
+/// or of another flight.
 ViewReport MergeViews(const ViewFlight& flight,
                       const std::vector<std::filesystem::path>& parts,
                       const std::filesystem::path& out);

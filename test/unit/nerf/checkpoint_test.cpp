@@ -2,6 +2,7 @@
 
 #include "deja_view/base/check.hpp"
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -24,6 +25,7 @@ class CheckpointTest : public testing::Test {
   }
   ~CheckpointTest() override { fs::remove_all(directory_); }
 
+  const fs::path& directory() const { return directory_; }
   fs::path WriteSample() const {
     RadianceField field = ConstantField(2, 0.3F, 3);
     field.exposures = {{"one", 17, 1.5F, 0.1F, {}}, {"two", 18, 0.5F, -0.1F, {}}};
@@ -59,6 +61,50 @@ TEST_F(CheckpointTest, ComesBackWhole) {
   EXPECT_EQ(field.exposures[1].gain, 0.5F);
   WriteField(path.string() + "2", field);
   EXPECT_EQ(Bytes(path), Bytes(path.string() + "2"));
+}
+
+TEST_F(CheckpointTest, SubMapsComeBackWithTheirCells) {
+  RadianceField field = ReadField(WriteSample());
+  EXPECT_FALSE(field.cells.IsCut());
+  field.cells = {1, CutByCameras({{0, 0, 0}, {2, 0, 0}, {2, 5, 0}}, 3)};
+  const fs::path path = directory() / "sub_map";
+  WriteField(path, field);
+  const RadianceField read = ReadField(path);
+  EXPECT_EQ(read.cells.index, 1);
+  EXPECT_TRUE(read.cells.cells == field.cells.cells);
+  EXPECT_TRUE(std::isinf(read.cells.cells[0].min.x()));
+  EXPECT_EQ(read.exposures[1].image, "two");
+}
+
+// So that older programs read new models in one piece, too.
+TEST_F(CheckpointTest, FieldsInOnePieceKeepTheirVersion) {
+  std::vector<char> bytes = Bytes(WriteSample());
+  EXPECT_EQ(bytes[8], 2);
+  bytes[8] = 3;  // says that there are cells
+  EXPECT_THROW(ReadField(Write(bytes)), InputError);
+}
+
+TEST_F(CheckpointTest, CellsThatMakeNoSenseAreAnError) {
+  RadianceField field = ReadField(WriteSample());
+  const auto is_refused = [&](const SceneCells& cells) {
+    field.cells = cells;
+    WriteField(directory() / "odd", field);
+    try {
+      ReadField(directory() / "odd");
+    } catch (const InputError&) {
+      return true;
+    }
+    return false;
+  };
+  const std::vector<SceneCell> cells = CutByCameras({{0, 0, 0}, {2, 0, 0}}, 2);
+  EXPECT_FALSE(is_refused({1, cells}));
+  EXPECT_TRUE(is_refused({2, cells}));
+  EXPECT_TRUE(is_refused({-1, cells}));
+  std::vector<SceneCell> empty = cells;
+  empty[0].max.x() = empty[0].min.x();
+  EXPECT_TRUE(is_refused({1, empty}));
+  empty[0].max.x() = NAN;
+  EXPECT_TRUE(is_refused({1, empty}));
 }
 
 TEST_F(CheckpointTest, EveryCutIsAnError) {

@@ -5,6 +5,7 @@
 #include "deja_view/nerf/network.hpp"
 #include "deja_view/nerf/occupancy_grid.hpp"
 #include "deja_view/nerf/options.hpp"
+#include "deja_view/nerf/scene_cells.hpp"
 
 #include <array>
 #include <cmath>
@@ -65,6 +66,7 @@ struct RadianceField {
   std::vector<Exposure> exposures;
   Vignetting vignetting;  ///< of the training cameras
   float progress = 0;     ///< share of its training that is done, 0 to 1
+  SceneCells cells;       ///< where the scene is cut into sub-maps
 
   Eigen::Vector3f Extent() const { return ((box.max - box.min) / box.Size()).cast<float>(); }
 };

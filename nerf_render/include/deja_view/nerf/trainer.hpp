@@ -59,6 +59,9 @@ class Trainer {
   /// One batch of rays. `progress`, from 0 to 1, sets the learning rates and is kept in the field.
   StepReport Step(double progress);
 
+  /// Says of which sub-map the field is; training does not depend on it.
+  void SetCells(SceneCells cells);
+
   /// The field as it is now; it changes with the next Step.
   const RadianceField& field() const;
 
