@@ -2,6 +2,7 @@
 
 #include "deja_view/base/check.hpp"
 #include "deja_view/ros/bag_reader.hpp"
+#include "deja_view/ros/view_bag.hpp"
 #include "deja_view/ros/virtual_frame_conversion.hpp"
 
 #include <map>
@@ -178,6 +179,12 @@ ReplayReport ReplayBag(const std::filesystem::path& bag,
   return ReplayBag(bag, {}, topics, options, callbacks);
 }
 
+void RequireVirtualViews(const BagReader& bag, const std::string& frame_topic) {
+  if (bag.HasTopic(frame_topic) || !bag.HasTopic(ViewTopics{}.settings)) {
+    bag.RequireTopic(frame_topic, {"deja_view/VirtualFrame"});
+  }
+}
+
 ReplayReport ReplayBag(const std::filesystem::path& bag,
                        const std::filesystem::path& virtual_bag,
                        const VioTopics& topics,
@@ -188,7 +195,7 @@ ReplayReport ReplayBag(const std::filesystem::path& bag,
   std::optional<BagReader> views;
   if (!virtual_bag.empty()) {
     views.emplace(virtual_bag);
-    views->RequireTopic(topics.virtual_frame, {"deja_view/VirtualFrame"});
+    RequireVirtualViews(*views, topics.virtual_frame);
     if (!callbacks.on_virtual_view) {
       views.reset();
     }

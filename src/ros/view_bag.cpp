@@ -252,7 +252,7 @@ ViewReport RenderViews(
   const fs::path part = is_whole ? work / "views.bag" : job.out;
   WritePart(part, job, job_hash, all.images, share, store, &report);
   if (is_whole) {
-    MergeViews(*job.flight, {part}, job.out);
+    MergeViews(*job.flight, {part}, job.out, job.views_only);
     std::error_code error;
     fs::remove(part, error);
   }

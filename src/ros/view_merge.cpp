@@ -113,7 +113,8 @@ std::vector<const rosbag::MessageInstance*> SortByTime(const std::vector<Part>& 
 
 ViewReport MergeViews(const ViewFlight& flight,
                       const std::vector<fs::path>& part_paths,
-                      const fs::path& out) {
+                      const fs::path& out,
+                      bool views_only) {
   DEJA_VIEW_CHECK(!part_paths.empty());
   const ViewTopics topics;
   if (flight.HasTopic(topics.frame)) {
@@ -149,7 +150,9 @@ ViewReport MergeViews(const ViewFlight& flight,
     while (next != messages.end() && ToNanoseconds((*next)->getTime()) < time_ns) {
       copy_next();
     }
-    write(&writer);
+    if (!views_only) {
+      write(&writer);
+    }
   });
   while (next != messages.end()) {
     copy_next();

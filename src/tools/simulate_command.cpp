@@ -181,7 +181,8 @@ SimulateRequest Completed(SimulateRequest request) {
     ThrowInputError("--bag: this deja_view was built without ROS; images and poses work");
   }
 #endif
-  if (!request.virtual_views.empty() && !request.bag && request.views_for.empty()) {
+  if (!request.virtual_views.empty() && !request.bag && request.views_for.empty() &&
+      request.views_like.empty()) {
     ThrowInputError("--virtual-views {}: they go into the bag; expected --bag as well",
                     request.virtual_views);
   }
@@ -315,6 +316,11 @@ void AddSimulateCommand(CLI::App& app, Command* command) {
                   request->views_for,
                   "TUM file of a flight simulated before (same seeds or --config): only render the "
                   "views of these stamps, to views.bag");
+  sub->add_option("--views-like",
+                  request->views_like,
+                  "Bag of virtual views of a flight simulated before: only render what is exact at "
+                  "their poses, to views.bag")
+      ->check(CLI::ExistingFile);
   sub->add_option("--virtual-content", request->virtual_content, "What they hold")
       ->check(CLI::IsMember({"features", "image", "both"}))
       ->capture_default_str();
@@ -326,9 +332,12 @@ void AddSimulateCommand(CLI::App& app, Command* command) {
       "Example:\n  deja_view simulate --preset hall --seed 3 --duration 60 --bag --out flight");
   sub->callback([=] {
     *command = [=] {
+      const auto only_views = [&] {
+        return !request->views_for.empty() || !request->views_like.empty();
+      };
       nlohmann::ordered_json json;
       try {
-        json = request->views_for.empty() ? RunSimulate(*request) : RunSimulateViews(*request);
+        json = only_views() ? RunSimulateViews(*request) : RunSimulate(*request);
       } catch (const Interrupted& e) {
         std::cerr << "deja_view: " << e.what() << "\n";
         return 130;  // as shells report a program that Ctrl-C ended
@@ -336,7 +345,7 @@ void AddSimulateCommand(CLI::App& app, Command* command) {
       if (!json_file->empty()) {
         WriteFileAtomically(*json_file, [&](std::ostream& out) { out << json.dump(2) << "\n"; });
       }
-      (request->views_for.empty() ? PrintFlight : PrintViews)(*request, json);
+      (only_views() ? PrintViews : PrintFlight)(*request, json);
       return 0;
     };
   });

@@ -24,6 +24,8 @@ struct SimulateRequest {
   /// TUM file whose stamps name the images to render views of: no flight is made then, only
   /// views.bag with the exact views. Empty: views of all keyframes go into the flight's bag.
   std::filesystem::path views_for;
+  /// Bag with virtual views of that flight: the same, at their poses. Empty: at `virtual_views`'s.
+  std::filesystem::path views_like;
   std::string virtual_content = "features";  ///< "features", "image" or "both"
   bool show_progress = true;
 };
@@ -35,8 +37,8 @@ sim::SimOptions ReadSimOptions(const SimulateRequest& request);
 /// bad options or files that can't be written, Interrupted after Ctrl-C.
 nlohmann::ordered_json RunSimulate(const SimulateRequest& request);
 
-/// Renders the views of a flight that was simulated before, `request.views_for`; returns
-/// {virtual_views, wall_s}. Errors as RunSimulate.
+/// Renders the views of a flight that was simulated before, `request.views_for` or
+/// `request.views_like`; returns {virtual_views, wall_s}. Errors as RunSimulate.
 nlohmann::ordered_json RunSimulateViews(const SimulateRequest& request);
 
 }  // namespace deja_view

@@ -144,6 +144,9 @@ void AddRender(CLI::App* views, Command* command) {
       ->capture_default_str();
   sub->add_flag("--depth", request->depth, "Also depth and certainty per pixel");
   sub->add_flag("--plain-topics", request->plain_topics, "Also Image, CameraInfo and PoseStamped");
+  sub->add_flag("--views-only",
+                request->views_only,
+                "Leave out the flight's own messages: replay --virtual-bag");
   sub->add_option("--shard", request->shard, "Render part i of n, to be merged: i/n")
       ->capture_default_str();
   sub->add_flag_callback(
@@ -175,6 +178,7 @@ void AddMerge(CLI::App* views, Command* command) {
   sub->add_option("parts", request->parts, "Bags of all shards and sub-maps, in any order")
       ->required()
       ->check(CLI::ExistingFile);
+  sub->add_flag("--views-only", request->views_only, "Leave out the flight's own messages");
   sub->add_option("--out", request->out, "Bag to write")->required();
   sub->add_option("--json", *json_file, "File for the figures");
   sub->footer(

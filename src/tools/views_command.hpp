@@ -40,6 +40,7 @@ struct ViewsRenderRequest {
   std::string content = "image";  ///< or features, or both
   bool depth = false;
   bool plain_topics = false;
+  bool views_only = false;
   bool resume = true;
   std::string shard = "0/1";
   std::filesystem::path out;
@@ -50,6 +51,7 @@ struct ViewsMergeRequest {
   FlightFiles flight;  ///< of a bag, the camera is not needed
   std::vector<std::filesystem::path> parts;
   std::filesystem::path out;
+  bool views_only = false;
 };
 
 /// What `deja_view views check` is told.

@@ -117,6 +117,7 @@ Json RunViewsRender(const ViewsRenderRequest& request) {
   job.shard = ParseShard("--shard", request.shard);
   job.content = ParseContent(request);
   job.plain_topics = request.plain_topics;
+  job.views_only = request.views_only;
   job.resume = request.resume;
   if (request.renderer == "warp") {
     // An image does not show what is beside it: only its own path could be called free.
@@ -158,7 +159,8 @@ Json RunViewsRender(const ViewsRenderRequest& request) {
 }
 
 Json RunViewsMerge(const ViewsMergeRequest& request) {
-  const ViewReport report = MergeViews(*OpenFlight(request.flight), request.parts, request.out);
+  const ViewReport report =
+      MergeViews(*OpenFlight(request.flight), request.parts, request.out, request.views_only);
   Json json;
   json["views"] = report.views;
   json["bytes_per_view"] = PerView(report);

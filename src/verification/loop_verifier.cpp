@@ -64,7 +64,8 @@ std::vector<std::string> LoopVerifierOptions::Validate() const {
   require(max_yaw_deg > 0, "max_yaw_deg must be positive");
   require(max_gravity_deg > 0, "max_gravity_deg must be positive");
   require(max_sigma_m > 0, "max_sigma_m must be positive");
-  require(rig.min_ransac_inliers >= 3, "rig.min_ransac_inliers must be at least 3");
+  require(rig.min_ransac_ratio >= 0 && rig.min_ransac_ratio <= 1,
+          "rig.min_ransac_ratio must be in [0, 1]");
   require(rig.min_inliers >= 4, "rig.min_inliers must be at least 4");
   require(rig.min_inlier_ratio >= 0 && rig.min_inlier_ratio <= 1,
           "rig.min_inlier_ratio must be in [0, 1]");
@@ -202,7 +203,7 @@ LoopVerifier::Problem LoopVerifier::MatchAround(const Pair& pair,
 
 RigGates LoopVerifier::GatesOf(const Pair& pair) const {
   return pair.has_rig() ? options_.rig
-                        : RigGates{options_.min_ransac_inliers,
+                        : RigGates{0.0,
                                    options_.min_inliers,
                                    options_.min_inlier_ratio,
                                    options_.min_cells,
@@ -224,7 +225,8 @@ std::optional<Rigid3> LoopVerifier::FirstPose(const Pair& pair, Verification* v)
   const RansacResult ransac =
       EstimateRelativePose(problem.observations, pair.gravity, focal, options_.pose);
   v->ransac_inliers = static_cast<int>(ransac.inliers.size());
-  if (v->ransac_inliers < GatesOf(pair).min_ransac_inliers) {
+  if (v->ransac_inliers < options_.min_ransac_inliers ||
+      v->ransac_inliers < GatesOf(pair).min_ransac_ratio * v->matches) {
     v->reason = RejectReason::kTooFewInliers;
     return std::nullopt;
   }
@@ -322,7 +324,7 @@ Verification LoopVerifier::Solve(const Pair& pair) const {
   for (const double radius_px : {options_.guided_radius_px, options_.final_radius_px}) {
     guided = MatchAround(pair, T_old_current, radius_px);
     v.guided = static_cast<int>(guided.observations.size());
-    if (v.guided < gates.min_ransac_inliers) {
+    if (v.guided < options_.min_ransac_inliers) {
       v.reason = RejectReason::kTooFewInliers;
       return v;
     }

@@ -13,6 +13,8 @@
 
 namespace deja_view {
 
+class BagReader;
+
 /// Topics that VINS-Mono publishes and the loop closer reads.
 struct VioTopics {
   std::string image = "/cam0/image_raw";
@@ -49,6 +51,10 @@ struct ReplayReport {
   std::int64_t messages = 0;      ///< read from the bag
   std::int64_t bad_messages = 0;  ///< messages and keyframes that could not be used
 };
+
+/// Throws InputError for a bag without virtual views, save one that tells by its settings
+/// (ViewTopics) that none could be made.
+void RequireVirtualViews(const BagReader& bag, const std::string& frame_topic);
 
 /// Reads a bag of VINS-Mono's topics and images (sensor_msgs/Image or CompressedImage) at full
 /// speed, and hands over its keyframes exactly as the node assembles them from the same topics.

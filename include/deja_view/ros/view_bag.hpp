@@ -54,6 +54,7 @@ struct ViewJob {
   /// none.
   std::string pose_topic;
   bool plain_topics = false;  ///< also Image, CameraInfo and PoseStamped, for rqt and RViz
+  bool views_only = false;    ///< without the flight's own messages
   bool resume = true;         ///< use finished results of the same settings
   int threads = 0;
 };
@@ -90,11 +91,12 @@ ViewReport RenderViews(const ViewJob& job,
                        const ViewRendererFactory& make_renderer,
                        const std::function<void(std::size_t done, std::size_t total)>& on_progress);
 
-/// Puts the shares together, of all sub-maps: gives the same file as RenderViews in one run. Throws
-/// InputError when a part is missing or given twice, or when they were made with different settings
-/// or of another flight.
+/// Puts the shares together, of all sub-maps: gives the same file as RenderViews in one run, as its
+/// job's `views_only` says with the flight's own messages or without. Throws InputError when a part
+/// is missing or given twice, or when they were made with different settings or of another flight.
 ViewReport MergeViews(const ViewFlight& flight,
                       const std::vector<std::filesystem::path>& parts,
-                      const std::filesystem::path& out);
+                      const std::filesystem::path& out,
+                      bool views_only = false);
 
 }  // namespace deja_view

@@ -41,7 +41,9 @@ struct RigCamera {
 /// Gates for loops that the real image alone does not give. Inliers are counted once however many
 /// cameras of the rig show them.
 struct RigGates {
-  int min_ransac_inliers = 14;  ///< several images give more matches, and more that agree by chance
+  /// Of all first matches that must agree in RANSAC, beside min_ransac_inliers: of the many matches
+  /// of several images, more agree by chance.
+  double min_ransac_ratio = 0.03;
   int min_inliers = 30;
   double min_inlier_ratio = 0.25;  ///< of the current points that fall into any camera of the rig
   int min_cells = 8;               ///< of an 8 x 6 grid on the current image
@@ -50,7 +52,7 @@ struct RigGates {
 
   template <typename Visitor>
   void Visit(Visitor& v) {
-    v("min_ransac_inliers", min_ransac_inliers);
+    v("min_ransac_ratio", min_ransac_ratio);
     v("min_inliers", min_inliers);
     v("min_inlier_ratio", min_inlier_ratio);
     v("min_cells", min_cells);

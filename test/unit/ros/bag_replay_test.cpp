@@ -2,6 +2,7 @@
 
 #include "deja_view/VirtualFrame.h"
 #include "deja_view/ros/bag_reader.hpp"
+#include "deja_view/ros/view_bag.hpp"
 
 #include <cstdlib>
 #include <fstream>
@@ -12,6 +13,8 @@
 #include "bag_fixture.hpp"
 #include <gmock/gmock.h>
 #include <opencv2/imgcodecs.hpp>
+
+#include <std_msgs/String.h>
 
 namespace deja_view {
 namespace {
@@ -75,6 +78,17 @@ TEST_F(BagReplayTest, ReadsAnotherBagsViewsOnlyWhereTheyAreWanted) {
   callbacks.on_virtual_view = [](const VirtualView&) {};
   EXPECT_EQ(ReplayBag(flight, Path("views.bag"), topics_, {}, callbacks).bad_messages, 1);
   EXPECT_THAT(problems_, ElementsAre(HasSubstr(topics_.virtual_frame)));
+}
+
+TEST_F(BagReplayTest, AnotherBagMayTellThatThereAreNoViews) {
+  const fs::path flight = WriteFlight("a.bag", 3);
+  ReplayCallbacks callbacks = Callbacks();
+  callbacks.on_virtual_view = [](const VirtualView&) { FAIL(); };
+  EXPECT_THROW(ReplayBag(flight, flight, topics_, {}, callbacks), InputError);
+  BagWriter views(Path("none.bag"));
+  views.Write(ViewTopics().settings, kStart, std_msgs::String());
+  views.Close();
+  EXPECT_EQ(ReplayBag(flight, Path("none.bag"), topics_, {}, callbacks).messages, 15);
 }
 
 TEST_F(BagReplayTest, GoesOnAfterMessagesThatCannotBeUsed) {

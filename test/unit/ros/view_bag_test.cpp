@@ -134,6 +134,14 @@ TEST_F(ViewBagTest, SharesMergeToTheSameFile) {
   EXPECT_EQ(report.views, 12);
   EXPECT_EQ(Bytes(merged), Bytes(job_.out));
 
+  const fs::path views_only = Path("views_only.bag");
+  MergeViews(*job_.flight, parts, views_only, true);
+  const BagReader reader(views_only);
+  for (const BagReader::Topic& topic : reader.topics()) {
+    EXPECT_THAT(topic.name, HasSubstr("/virtual_cam0/"));
+    EXPECT_EQ(topic.messages, topic.name == "/virtual_cam0/frame" ? 12 : 1);
+  }
+
   EXPECT_THAT(ErrorOf([&] {
                 MergeViews(*job_.flight, {parts[0], parts[2]}, merged);
               }),

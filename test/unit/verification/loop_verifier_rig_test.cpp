@@ -124,9 +124,9 @@ TEST(LoopVerifierRig, HasGatesOfItsOwn) {
   options.rig.max_sigma_m = 1e-6;
   EXPECT_EQ(VerifyRig(scene, {scene.view}, options).reason, RejectReason::kUncertain);
   options = {};
-  options.rig.min_ransac_inliers = v.ransac_inliers + 1;
+  options.rig.min_ransac_ratio = (v.ransac_inliers + 1.0) / v.matches;
   EXPECT_EQ(VerifyRig(scene, {scene.view}, options).reason, RejectReason::kTooFewInliers);
-  options.rig = {0, 0, 2.0, 0, 0, 0};
+  options.rig = {2.0, 0, 2.0, 0, 0, 0};
   EXPECT_EQ(options.Validate().size(), 6U);
 }
 
