@@ -28,7 +28,9 @@ constexpr const char* kPageStyle =
     "h1{font-size:24px}h2{font-size:19px;margin-top:36px}\n"
     "svg.figure,img{max-width:100%;height:auto;display:block}\n"
     "figure{margin:12px 0;overflow-x:auto}\n"
-    "@media (max-width:760px){svg.figure{min-width:720px}}\n"
+    ".fit>figcaption{display:none}\n"
+    "@media (max-width:760px){svg.figure{min-width:720px}.fit>svg.figure{min-width:0}"
+    ".fit>figcaption{display:block}.fit text{display:none}}\n"
     "figcaption{color:var(--muted);font-size:13px}\n"
     ".wide{overflow-x:auto}\n"
     "table{border-collapse:collapse;font-variant-numeric:tabular-nums;font-size:13px}\n"
@@ -39,8 +41,9 @@ constexpr const char* kPageStyle =
     "overflow-wrap:anywhere}\n"
     "li{margin:4px 0}\n";
 
-/// An SVG document as a part of the page, whose style sheet it shares.
-std::string Inline(std::string svg) {
+/// An SVG document as a part of the page, whose style sheet it shares. One with a caption shrinks
+/// to any screen; where its own text is too small then, the caption stands in for it.
+std::string Inline(std::string svg, const std::string& caption = {}) {
   const std::string open = "<style>";
   const std::string close = "</style>\n";
   const std::size_t begin = svg.find(open);
@@ -50,7 +53,10 @@ std::string Inline(std::string svg) {
   }
   const std::size_t tag = svg.find("<svg ");
   DEJA_VIEW_CHECK(tag != std::string::npos);
-  return "<figure>" + svg.substr(tag).insert(5, "class=\"figure\" ") + "</figure>\n";
+  const std::string drawing = svg.substr(tag).insert(5, "class=\"figure\" ");
+  return caption.empty() ? "<figure>" + drawing + "</figure>\n"
+                         : "<figure class=\"fit\"><figcaption>" + EscapeXml(caption) +
+                               "</figcaption>" + drawing + "</figure>\n";
 }
 
 std::string PictureFile(const std::string& caption, const std::filesystem::path& path) {
@@ -202,7 +208,7 @@ std::string Figures(const HtmlReport& report) {
   html +=
       "<h2>Loops</h2>\n" + Inline(LoopCountFigure(compared)) + Inline(DetectionFigure(compared));
   for (std::size_t i = 0; i < std::min(kRunsInFull, compared.size()); ++i) {
-    html += Inline(LoopFigure(compared[i]));
+    html += "<h3>" + EscapeXml(compared[i].run.name) + "</h3>\n" + Inline(LoopFigure(compared[i]));
   }
   return html;
 }
@@ -214,7 +220,9 @@ std::string Matches(const HtmlReport& report) {
     if (!report.matches[i].empty() && !run.vio.empty()) {
       html += "<h3>" + EscapeXml(run.name) + "</h3>\n";
       for (const MatchedLoop& loop : report.matches[i]) {
-        html += Inline(MatchFigure(loop, report.match_pictures, run.vio.stamps_ns.front()));
+        const std::int64_t start_ns = run.vio.stamps_ns.front();
+        html +=
+            Inline(MatchFigure(loop, report.match_pictures, start_ns), MatchTitle(loop, start_ns));
       }
     }
   }
@@ -222,6 +230,24 @@ std::string Matches(const HtmlReport& report) {
     html += PictureFile(caption, path);
   }
   return html.empty() ? html : "<h2>Matched images</h2>\n" + html;
+}
+
+/// The threshold r: what it finds, and how ways to weigh words and to compare scores do.
+std::string Thresholds(const std::vector<Sweep>& sweeps) {
+  std::vector<Sweep> weights;
+  std::vector<Sweep> others;
+  for (const Sweep& sweep : sweeps) {
+    (sweep.name.rfind("weights_", 0) == 0 ? weights : others).push_back(sweep);
+  }
+  std::string html = "<h2>Thresholds</h2>\n" + Table(ThresholdRows(sweeps));
+  const std::vector<Sweep>& shown = others.empty() ? weights : others;
+  for (std::size_t i = 0; i < std::min(kRunsInFull, shown.size()); ++i) {
+    html += shown[i].detections.empty() ? "" : Inline(ScoreFigure(shown[i]));
+  }
+  for (const std::vector<Sweep>* group : {&others, &weights}) {
+    html += group->empty() ? "" : Inline(SweepFigure(*group)) + Inline(ThresholdFigure(*group));
+  }
+  return html;
 }
 
 }  // namespace
@@ -243,8 +269,7 @@ std::string ToHtml(const HtmlReport& report) {
   }
   html += Figures(report) + Matches(report);
   if (!report.sweeps.empty()) {
-    html += "<h2>Thresholds</h2>\n" + Inline(SweepFigure(report.sweeps)) +
-            Inline(ThresholdFigure(report.sweeps));
+    html += Thresholds(report.sweeps);
   }
   if (report.evaluation.contains("variants")) {
     const std::string spacing = SpacingFigure(report.evaluation["variants"]);

@@ -56,7 +56,7 @@ struct Row {
 };
 
 void DrawRow(const MatchedLoop& loop, const Row& row, Svg* svg) {
-  const std::string color = row.view < 0 ? "correct" : "run2";
+  const std::string color = row.view < 0 ? "inlier" : "viewinlier";
   row.old.Draw(svg);
   row.current.Draw(svg);
   std::vector<std::pair<Point, Point>> lines;
@@ -125,6 +125,19 @@ std::vector<std::pair<std::int64_t, int>> PicturesOf(const MatchedLoop& loop) {
   return keys;
 }
 
+std::string MatchTitle(const MatchedLoop& loop, std::int64_t start_ns) {
+  const auto seconds = [start_ns](std::int64_t stamp_ns) {
+    return stamp_ns < start_ns
+               ? std::string("an earlier flight")
+               : fmt::format("{:.1f} s", 1e-9 * static_cast<double>(stamp_ns - start_ns));
+  };
+  return fmt::format("At {} the place of {} is seen again: {}",
+                     seconds(loop.stamp_current_ns),
+                     seconds(loop.stamp_old_ns),
+                     Count(static_cast<int>(loop.pairs.size()), "inlier")) +
+         (loop.BestView() >= 0 ? " in the real image and the virtual views" : "");
+}
+
 std::string MatchFigure(const MatchedLoop& loop, const Pictures& pictures, std::int64_t start_ns) {
   const auto panel = [&](std::int64_t stamp_ns, int view, double x, double y) {
     const Picture* picture = Find(pictures, stamp_ns, view);
@@ -141,17 +154,7 @@ std::string MatchFigure(const MatchedLoop& loop, const Pictures& pictures, std::
                     panel(loop.stamp_current_ns, -1, kPanel + kGap, y)});
     y += std::max(rows.back().old.height(), rows.back().current.height()) + kBetween;
   }
-  const auto seconds = [start_ns](std::int64_t stamp_ns) {
-    return stamp_ns < start_ns
-               ? std::string("an earlier flight")
-               : fmt::format("{:.1f} s", 1e-9 * static_cast<double>(stamp_ns - start_ns));
-  };
-  const std::string title =
-      fmt::format("At {} the place of {} is seen again: {}",
-                  seconds(loop.stamp_current_ns),
-                  seconds(loop.stamp_old_ns),
-                  Count(static_cast<int>(loop.pairs.size()), "inlier")) +
-      (loop.BestView() >= 0 ? " in the real image and the virtual views" : "");
+  const std::string title = MatchTitle(loop, start_ns);
   Svg svg(2 * kPanel + kGap, y, title, "Inliers joined by lines; the old image is on the left.");
   svg.AddText("title", {0, 20}, title);
   for (const Row& row : rows) {

@@ -58,7 +58,7 @@ constexpr Palette kDark = {"#0d1117",
                            "#16351f",
                            {{{79, 140, 255}, {170, 120, 255}, {245, 110, 175}, {255, 180, 100}}}};
 
-/// Rules that are the same on every page.
+/// Rules that are the same on every page; inliers lie on photographs.
 constexpr const char* kShapes =
     "text{font-family:Inter,system-ui,-apple-system,'Segoe UI',Roboto,'DejaVu Sans',sans-serif;"
     "font-size:13px}\n"
@@ -75,7 +75,8 @@ constexpr const char* kShapes =
     ".loop{stroke-width:.9;opacity:.4}\n"
     ".detection{stroke-width:1;stroke-linecap:butt}\n"
     "path.bar{stroke:none}\n"
-    ".match{stroke-width:1;opacity:.6}\n"
+    ".match{stroke-width:1;opacity:.7}\n"
+    ".inlier{stroke:#2fc97a}.viewinlier{stroke:#b98aff}\n"
     ".dashed{stroke-dasharray:6 4;stroke-linecap:butt}\n"
     ".tick{stroke-width:1;opacity:.6;stroke-linecap:butt}\n"
     ".dot{stroke-width:4.2}\n"

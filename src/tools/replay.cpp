@@ -85,7 +85,7 @@ void Play(const ReplayRequest& request,
       result->matches.Add(matches);
     }
     if (report.best_place) {
-      result->best_places.push_back({report.index, *report.best_place});
+      result->best_places.push_back({report.index, *report.best_place, {}});
     }
     AddTimes(report.times, result);
   };
@@ -120,6 +120,26 @@ void WriteSweep(const fs::path& path, const std::vector<SweepPoint>& sweep) {
     for (const SweepPoint& p : sweep) {
       out << fmt::format(
           "{:.9g},{},{},{:.6f},{:.6f}\n", p.r, p.found, p.correct, p.precision, p.recall);
+    }
+  });
+}
+
+/// The places that score best, beside the truth.
+void WriteDetections(const fs::path& path, const ReplayResult& result) {
+  const auto stamp = [&result](int keyframe) {
+    return result.keyframes[static_cast<std::size_t>(keyframe)].stamp_ns;
+  };
+  WriteFileAtomically(path, [&](std::ostream& out) {
+    out << "stamp_current_ns,stamp_old_ns,score,correct,revisit\n";
+    for (const ReplayResult::Best& best : result.best_places) {
+      if (best.decision) {
+        out << fmt::format("{},{},{:.9g},{:d},{:d}\n",
+                           stamp(best.current),
+                           stamp(best.place.old),
+                           best.place.score,
+                           best.decision->is_correct,
+                           best.decision->is_revisit);
+      }
     }
   });
 }
@@ -172,6 +192,7 @@ ReplayResult RunReplay(const ReplayRequest& request) {
     WriteResultFiles(
         request.out, result.keyframes, result.map_keyframes, result.loops, result.matches.Sorted());
     WriteSweep(request.out / "sweep.csv", result.detections);
+    WriteDetections(request.out / "detections.csv", result);
   }
   return result;
 }

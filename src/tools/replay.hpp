@@ -49,6 +49,7 @@ struct ReplayResult {
   struct Best {
     int current = -1;
     BestPlace place;
+    std::optional<ScoredDecision> decision;  ///< where the truth covers both
   };
   std::vector<Best> best_places;
   std::vector<std::string> problems;  ///< messages and keyframes that could not be used

@@ -48,16 +48,17 @@ void SweepScores(const ReplayRequest& request,
   const std::vector<bool> is_revisit = FindRevisits(request, keyframes, T_B_C, *result);
   const auto revisits = static_cast<int>(std::count(is_revisit.begin(), is_revisit.end(), true));
   std::vector<ScoredDecision> detections;
-  for (const ReplayResult::Best& best : result->best_places) {
+  for (ReplayResult::Best& best : result->best_places) {
     const auto current = static_cast<std::size_t>(best.current);
     const auto old = static_cast<std::size_t>(best.place.old);
     const LoopCriteria criteria = best.place.old < result->map_keyframes
                                       ? request.revisits.value_or(LoopCriteria{})
                                       : LoopCriteria{};
     if (keyframes[current].T_truth_B && keyframes[old].T_truth_B) {
-      detections.push_back({best.place.score,
-                            IsRevisit(keyframes[current], keyframes[old], T_B_C, criteria),
-                            is_revisit[current]});
+      best.decision = {best.place.score,
+                       IsRevisit(keyframes[current], keyframes[old], T_B_C, criteria),
+                       is_revisit[current]};
+      detections.push_back(*best.decision);
     }
   }
   result->detections = SweepThreshold(std::move(detections), revisits);

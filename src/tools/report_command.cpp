@@ -46,6 +46,7 @@ struct ReportRequest {
   fs::path json;
   fs::path html;
   fs::path evaluation;                ///< directory that `deja_view evaluate` wrote
+  std::vector<fs::path> sweeps;       ///< runs of which only the scores are shown
   std::vector<std::string> pictures;  ///< CAPTION=FILE
   std::vector<fs::path> bags;         ///< with the images of matched loops
   std::vector<std::string> commands;  ///< that made the runs
@@ -171,8 +172,11 @@ void WriteHtml(const ReportRequest& request,
     const std::string name = directory.filename().string();
     const bool is_scored = name.rfind("weights_", 0) == 0 || name.rfind("threshold_", 0) == 0;
     if ((is_scored || evaluation.empty()) && fs::exists(directory / "sweep.csv")) {
-      html.sweeps.push_back(report::ReadSweep(directory / "sweep.csv", name));
+      html.sweeps.push_back(report::ReadSweep(directory));
     }
+  }
+  for (const fs::path& directory : request.sweeps) {
+    html.sweeps.push_back(report::ReadSweep(directory));
   }
   for (const std::string& picture : request.pictures) {
     html.pictures.push_back(SplitCaption("--picture", picture));
@@ -307,6 +311,11 @@ void AddReportCommand(CLI::App& app, Command* command) {
                   "the HTML page; can be repeated")
       ->take_all();
 #endif
+  sub->add_option("--sweep",
+                  request->sweeps,
+                  "Directory of a run with sweep.csv, of which the HTML page shows only how well "
+                  "scores alone tell places; can be repeated")
+      ->take_all();
   sub->add_option("--ran",
                   request->commands,
                   "A command that made the runs, for the HTML page; can be repeated")

@@ -2,6 +2,7 @@
 
 #include "deja_view/report/matches.hpp"
 #include "deja_view/report/run.hpp"
+#include "deja_view/report/sweep.hpp"
 
 #include <filesystem>
 #include <string>
@@ -11,19 +12,6 @@
 #include <nlohmann/json.hpp>
 
 namespace deja_view::report {
-
-/// Precision and recall over the threshold r, as `replay --out` leaves them in sweep.csv.
-struct Sweep {
-  std::string name;
-  std::vector<double> r;
-  std::vector<double> found;
-  std::vector<double> correct;
-  std::vector<double> precision;
-  std::vector<double> recall;
-};
-
-/// Reads a sweep.csv; throws InputError that names file and line.
-Sweep ReadSweep(const std::filesystem::path& path, const std::string& name);
 
 /// Accepted loops so far over time, a line per run (the paper's Figs. 7 and 8). At least one run.
 std::string LoopCountFigure(const std::vector<JudgedRun>& runs);
@@ -38,13 +26,6 @@ std::string DetectionFigure(const std::vector<JudgedRun>& runs);
 /// without truth.
 std::string ApeFigure(const std::vector<JudgedRun>& runs);
 
-/// Recall over precision of places told by score alone, a line per sweep.
-std::string SweepFigure(const std::vector<Sweep>& sweeps);
-
-/// Places found, and correct ones dashed, over the threshold r, a colour per sweep (the paper's
-/// Fig. 20).
-std::string ThresholdFigure(const std::vector<Sweep>& sweeps);
-
 /// Recall over the distance between the map's places, with and without virtual views, from the
 /// variants "spacing_M_virtual" and "spacing_M_no_virtual" of an evaluation; empty without any.
 std::string SpacingFigure(const nlohmann::ordered_json& variants);
@@ -53,6 +34,7 @@ std::string SpacingFigure(const nlohmann::ordered_json& variants);
 struct HtmlReport {
   std::string title = "Loop closure report";
   std::vector<JudgedRun> runs;  ///< the first ones are drawn in full
+  /// Those named weights_... are compared with each other, and the others with each other.
   std::vector<Sweep> sweeps;
   /// Caption and rows, the first of which is the head, of further tables.
   std::vector<std::pair<std::string, std::vector<std::vector<std::string>>>> tables;

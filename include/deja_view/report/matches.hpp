@@ -50,9 +50,13 @@ std::vector<MatchedLoop> ChooseMatches(std::vector<MatchedLoop> loops, std::size
 /// (stamp, view) of all pictures that MatchFigure draws for the loop.
 std::vector<std::pair<std::int64_t, int>> PicturesOf(const MatchedLoop& loop);
 
+/// "At 62.5 s the place of 6.9 s is seen again: 81 inliers". `start_ns`: the flight's first
+/// keyframe, from which times are counted.
+std::string MatchTitle(const MatchedLoop& loop, std::int64_t start_ns);
+
 /// The loop's images side by side, old on the left, with its inliers joined by lines: the real old
 /// image, and where virtual views took part the one with most inliers. A picture that is missing is
-/// drawn as an empty frame. `start_ns`: the flight's first keyframe, for the times in the text.
+/// drawn as an empty frame.
 std::string MatchFigure(const MatchedLoop& loop, const Pictures& pictures, std::int64_t start_ns);
 
 }  // namespace deja_view::report

@@ -43,7 +43,9 @@ class TemporaryFile {
 HtmlReport FullReport() {
   HtmlReport report;
   report.runs = {Judged("plain"), Judged("with <views>")};
-  report.sweeps = {{"tfidf", {0.9, 0.5}, {1, 5}, {1, 4}, {1.0, 0.8}, {0.2, 0.6}}};
+  report.sweeps = {{"threshold_sum", {{0.9, 1, 1, 1.0, 0.2}, {0.5, 5, 4, 0.8, 0.6}}, {}},
+                   {"weights_text", {{0.9, 1, 1, 1.0, 0.2}}, {}}};
+  report.sweeps[0].detections = {{ExampleStamp(5), ExampleStamp(1), {0.9, true, true}}};
   report.evaluation = nlohmann::ordered_json::parse(R"({"variants": [
       {"name": "spacing_2_no_virtual", "command": "deja_view replay --bag a", "recall": 0.5,
        "precision": 1.0, "cpu_s": 3.25, "map_recall": null},
@@ -67,9 +69,9 @@ TEST(HtmlReport, StandsAlone) {
 
 TEST(HtmlReport, ShowsEveryPart) {
   const std::string html = ToHtml(FullReport());
-  // Two trajectories, errors, statistics, loop counts, detections, two loop figures, sweep,
-  // thresholds, spacing.
-  EXPECT_EQ(CountOf(html, "<svg class=\"figure\""), 11U);
+  // Two trajectories, errors, statistics, loop counts, detections, two loop figures, scores,
+  // two groups of sweeps and thresholds, spacing.
+  EXPECT_EQ(CountOf(html, "<svg class=\"figure\""), 14U);
   EXPECT_EQ(CountOf(html, "<svg"), CountOf(html, "</svg>"));
   EXPECT_NE(html.find("with &lt;views&gt;"), std::string::npos);
   EXPECT_EQ(html.find("with <views>"), std::string::npos);
@@ -140,25 +142,6 @@ TEST(HtmlReport, ComparesDetectionsWithTheRunBefore) {
 TEST(HtmlReport, ErrorBarsNeedTruth) {
   EXPECT_NE(ApeFigure({Judged("one")}).find("median"), std::string::npos);
   EXPECT_TRUE(ApeFigure({Judge(ExampleRun(), {}, {})}).empty());
-}
-
-TEST(HtmlReport, ReadsSweeps) {
-  const TemporaryFile file(
-      "deja_view_sweep.csv",
-      "r,found,correct,precision,recall\n0.9,1,1,1.0,0.25\n0.5,2,1,0.5,0.25\n");
-  const Sweep sweep = ReadSweep(file.path(), "x");
-  EXPECT_EQ(sweep.r, (std::vector<double>{0.9, 0.5}));
-  EXPECT_EQ(sweep.found, (std::vector<double>{1, 2}));
-  EXPECT_EQ(sweep.correct, (std::vector<double>{1, 1}));
-  EXPECT_EQ(sweep.precision, (std::vector<double>{1.0, 0.5}));
-  const TemporaryFile bad("deja_view_sweep_bad.csv", "r,found,correct,precision,recall\n0.9,1\n");
-  try {
-    ReadSweep(bad.path(), "x");
-    ADD_FAILURE();
-  } catch (const InputError& e) {
-    EXPECT_NE(std::string(e.what()).find(bad.path().string() + ":2"), std::string::npos);
-  }
-  EXPECT_THROW(ReadSweep("/nowhere/sweep.csv", "x"), InputError);
 }
 
 TEST(HtmlReport, SpacingFigureNeedsSpacings) {
