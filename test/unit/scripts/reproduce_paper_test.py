@@ -135,6 +135,10 @@ class ReproducePaper(unittest.TestCase):
         tables = dict(report[i + 1].split("=", 1) for i, word in enumerate(report) if word == "--table")
         for number in range(2, 9):
             self.assertEqual(sum(caption.startswith(f"Table {number}:") for caption in tables), 1, number)
+        with open(tables["Where the paper's tables and figures are"], encoding="utf-8") as file:
+            listed = " ".join(row[0] for row in json.load(file))
+        for number in range(6, 21):
+            self.assertRegex(listed, rf"\b{number}\b")
         rows = {caption.split(":")[0]: self.script.read_json(file) for caption, file in tables.items()}
         self.assertEqual(rows["Table 2"][1], ["truth", "27.12", "0.7500"])
         self.assertEqual(rows["Table 3"][2], ["with virtual views", 100, "99", "0.9900", "0.500"])
