@@ -276,14 +276,13 @@ std::vector<RetrievedPlace> LoopCloser::Impl::Retrieve(int newest, KeyframeRepor
 std::vector<RetrievedPlace> LoopCloser::Impl::RetrieveScored(int newest,
                                                              KeyframeReport* report) const {
   const ScoringOptions& scoring = options.scoring;
-  const WeightedBow words = scored_places_->Weigh(keyframes.back().bow);
   std::vector<RetrievedPlace> retrieved;
-  for (const ScoredPlace& place :
-       scored_places_->Query(words, newest, static_cast<std::size_t>(scoring.neighbours))) {
+  for (const ScoredPlace& place : scored_places_->Query(
+           weighted_words_, newest, static_cast<std::size_t>(scoring.neighbours))) {
     const StoredKeyframe& k = keyframes[static_cast<std::size_t>(place.id)];
     retrieved.push_back({place.id, place.score, k.sequence, k.stamp_ns});
   }
-  const double own = OwnScore(words);
+  const double own = OwnScore(weighted_words_);
   std::vector<RetrievedPlace> passed;
   for (const auto& island : GroupIntoIslands(retrieved, options.candidates.island_gap_s)) {
     std::vector<double> scores;
@@ -312,7 +311,7 @@ double LoopCloser::Impl::OwnScore(const WeightedBow& words) const {
 void LoopCloser::Impl::RememberWords() {
   constexpr std::size_t kPredecessors = 3;
   if (scored_places_) {
-    predecessors_.push_back(scored_places_->Weigh(keyframes.back().bow));
+    predecessors_.push_back(std::move(weighted_words_));
     if (predecessors_.size() > kPredecessors) {
       predecessors_.pop_front();
     }
@@ -523,6 +522,9 @@ KeyframeReport LoopCloser::Impl::AddKeyframe(const KeyframeInput& input) {
   ExtractFeatures(input, &keyframe);
   report.times.features = watch.LapMs();
   keyframe.bow = vocabulary->Bag(keyframe.features.descriptors);
+  if (scored_places_) {
+    weighted_words_ = scored_places_->Weigh(keyframe.bow);
+  }
   report.times.words = watch.LapMs();
 
   sequence += report.is_new_sequence ? 1 : 0;

@@ -145,6 +145,7 @@ class LoopCloser::Impl {
   std::unordered_map<std::int64_t, Track> tracks_;
   std::unique_ptr<FeatureExtractor> view_extractor_;
   std::optional<ScoredPlaces> scored_places_;  ///< with scoring.is_on
+  WeightedBow weighted_words_;                 ///< of the current keyframe
   std::deque<WeightedBow> predecessors_;       ///< words of the newest keyframes, for OwnScore
   CameraTable cameras_;
   std::deque<WaitingView> waiting_views_;       ///< the oldest first

@@ -7,6 +7,8 @@
 #include <numeric>
 #include <utility>
 
+#include "synonym_sums.hpp"
+
 namespace deja_view {
 namespace {
 
@@ -90,24 +92,11 @@ std::vector<double> SynonymKernel::Average(const WeightedBow& bow,
   for (const WeightedWord& w : bow) {
     centroids.push_back(vocabulary_->Centroid(w.word));
   }
-  std::vector<double> sums = values;
-  std::vector<double> totals(bow.size(), 1.0);
-  for (std::size_t i = 0; i < bow.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      const auto distance = static_cast<std::size_t>(HammingDistance(centroids[i], centroids[j]));
-      if (distance < weights_.size()) {
-        const double k = weights_[distance];
-        sums[i] += k * values[j];
-        sums[j] += k * values[i];
-        totals[i] += k;
-        totals[j] += k;
-      }
-    }
-  }
+  auto [sums, totals] = internal::AvailableSumSynonyms().front()(centroids, values, weights_);
   for (std::size_t i = 0; i < bow.size(); ++i) {
     sums[i] /= totals[i];
   }
-  return sums;
+  return std::move(sums);
 }
 
 WeightedBow WeighWords(const WeightedBow& tf_idf,
