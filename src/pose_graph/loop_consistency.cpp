@@ -186,11 +186,31 @@ std::vector<LoopConsistency::Entry> LoopConsistency::Join(const PoseGraph& graph
       believed.push_back(*entry);
     }
   };
-  for (const std::size_t i : evidence.agreeing) {
+  for (const std::size_t i : AgreeingAmongThemselves(evidence.agreeing, graph)) {
     believe(&entries_[i]);
   }
   believe(&entries_.back());
   return believed;
+}
+
+// The newest loop may be so uncertain that it agrees with nearly all.
+std::vector<std::size_t> LoopConsistency::AgreeingAmongThemselves(
+    const std::vector<std::size_t>& entries, const PoseGraph& graph) const {
+  std::vector<std::size_t> agreeing;
+  for (const std::size_t i : entries) {
+    int support = 1;  // the newest loop
+    int against = 0;
+    for (const std::size_t k : entries) {
+      const Comparison c =
+          k == i ? Comparison{} : Compare(entries_[i].loop, entries_[k].loop, graph);
+      support += c.is_comparable && c.agrees ? 1 : 0;
+      against += c.is_comparable && !c.agrees ? 1 : 0;
+    }
+    if (against <= options_.max_support_ratio * support) {
+      agreeing.push_back(i);
+    }
+  }
+  return agreeing;
 }
 
 std::vector<LoopConsistency::Entry> LoopConsistency::Add(const PoseGraphLoop& loop,

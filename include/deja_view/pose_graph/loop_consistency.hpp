@@ -88,6 +88,9 @@ class LoopConsistency {
   };
   Evidence Gather(const Entry& entry, const PoseGraph& graph) const;
   std::vector<Entry> Join(const PoseGraph& graph);
+  /// Those of `entries` that most of the others do not contradict.
+  std::vector<std::size_t> AgreeingAmongThemselves(const std::vector<std::size_t>& entries,
+                                                   const PoseGraph& graph) const;
   bool IsBelieved(const Entry& entry, const PoseGraph& graph, bool* is_implausible) const;
   bool IsPlausible(const PoseGraphLoop& loop, const PoseGraph& graph) const;
   double PathSinceLoop(int node, const PoseGraph& graph) const;

@@ -185,6 +185,29 @@ TEST(LoopConsistency, LoopsThatJoinMustHaveFewRivals) {
   }
 }
 
+/// A loop so uncertain that it agrees with all must not bring in a wrong one.
+TEST(LoopConsistency, LoopsThatJoinMustAgreeAmongThemselves) {
+  for (const bool is_wrong : {false, true}) {
+    PoseGraph graph = MakeTwoWorlds();
+    LoopConsistencyOptions options;
+    options.min_span_m = 3.2;  // the uncertain loop reaches it
+    LoopConsistency consistency(options);
+    const Rigid3 error{Eigen::Quaterniond::Identity(), {is_wrong ? 0.6 : 0.0, 0, 0}};
+    EXPECT_TRUE(consistency.Add(WrongLoop(3, 3 + kPerRound, error), 100, graph).empty());
+    EXPECT_TRUE(AddTrueLoops({4, 5, 7, 9, 11, 13}, &consistency, &graph).empty());
+    PoseGraphLoop uncertain = TrueLoop(15, 15 + kPerRound);
+    uncertain.covariance *= 1e4;
+    std::vector<int> tags;
+    for (const auto& entry : consistency.Add(uncertain, 200, graph)) {
+      tags.push_back(entry.tag);
+    }
+    const std::vector<int> right = {4, 5, 7, 9, 11, 13, 200};
+    std::vector<int> all = right;
+    all.insert(all.begin(), 100);
+    EXPECT_EQ(tags, is_wrong ? right : all);
+  }
+}
+
 TEST(LoopConsistency, AMapsKeyframesAreAsFarApartAsItSays) {
   LoopConsistencyOptions options;
   options.max_path_m = 5;
