@@ -108,10 +108,6 @@ std::string ScoreFigure(const Sweep& sweep) {
   DrawRates(sweep, right, &svg);
   if (chosen.found > 0) {
     svg.AddLine("mean scale", left.ToPixel(left.x().min, chosen.r), right.ToPixel(1, chosen.r));
-    svg.AddText("small halo",
-                right.ToPixel(1, chosen.r) + Point(0, -6),
-                fmt::format("r = {:.3f}", chosen.r),
-                Anchor::kEnd);
   }
   return svg.ToString();
 }

@@ -39,6 +39,9 @@ with open(os.path.join(here, "calls"), "a") as file:
 if os.path.exists(os.path.join(here, "broken_" + command)):
     print("no luck today")
     sys.exit(7)
+if os.path.exists(os.path.join(here, "drift")) and any(w.endswith("/odometry") for w in words):
+    print("deja_view: " + [w for w in words if w.endswith("/odometry")][0].split("=")[1] + ": does not fit: RMSE 0.3 m")
+    sys.exit(1)
 def value(option):
     return words[words.index(option) + 1]
 def write(path, content):
@@ -159,6 +162,21 @@ class ReproducePaper(unittest.TestCase):
         before = len(self.calls())
         self.assertEqual(self.run_script("--quick")[0], 0)
         self.assertEqual([words[0] for words in self.calls()[before:]], ["views", "evaluate", "report"])
+
+    def test_an_odometry_that_drifts_is_left_out(self):
+        self.write("drift", "")
+        code, said = self.run_script("--quick")
+        self.assertEqual(code, 0, said)
+        self.assertIn("does without 'vio'", said)
+        report = self.calls()[-1]
+        table = next(report[i + 1].split("=", 1)[1] for i, word in enumerate(report)
+                     if word == "--table" and "=" in report[i + 1] and report[i + 1].startswith("Table 2"))
+        self.assertIn(["vio", "does not fit the truth", "–"], self.script.read_json(table))
+        self.assertEqual(sum("compare-poses" in word for word in report), 1, "what failed is not among the commands")
+        # The poses of the field must fit.
+        os.remove(self.path("out", "poses.json"))
+        self.write("odometry", "1 0 0 0 0 0 0 1\n")
+        self.assertEqual(self.run_script("--poses", self.path("odometry"))[0], 1)
 
     def test_a_field_without_views_is_told(self):
         self.write("poor", "")
