@@ -206,7 +206,7 @@ std::vector<std::size_t> LoopConsistency::AgreeingAmongThemselves(
       support += c.is_comparable && c.agrees ? 1 : 0;
       against += c.is_comparable && !c.agrees ? 1 : 0;
     }
-    if (against <= options_.max_support_ratio * support) {
+    if (against <= support) {
       agreeing.push_back(i);
     }
   }
