@@ -4,16 +4,6 @@
 #include <fmt/format.h>
 
 namespace deja_view::report {
-namespace {
-
-constexpr double kWidth = 1080;
-constexpr double kHeight = 400;
-constexpr double kLeft = 76;
-constexpr double kTop = 78;
-constexpr double kRight = 28;
-constexpr double kBottom = 50;
-
-}  // namespace
 
 std::string CurveClass(std::size_t i) {
   return fmt::format("run{}", i % kMostCurves);

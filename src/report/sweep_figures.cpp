@@ -11,14 +11,8 @@
 namespace deja_view::report {
 namespace {
 
-constexpr double kWidth = 1080;
-constexpr double kHeight = 400;
-constexpr double kLeft = 76;
-constexpr double kTop = 78;
 constexpr double kScores = 640;  ///< width of the scores over time
 constexpr double kGap = 34;
-constexpr double kRight = 28;
-constexpr double kBottom = 50;
 
 Range Unit() {
   return {0, 1, false};
