@@ -117,9 +117,18 @@ class RunColmapTest(unittest.TestCase):
         self.assertEqual(commands[2][1]["--Mapper.ba_refine_focal_length"], "0")
         with open(features["--image_list_path"], encoding="utf-8") as file:
             self.assertEqual(file.read().split(), ["1000.png", "1002.png", "1004.png"])
-        self.assertEqual(len(os.listdir(features["--image_path"])), 5)
+        # As in the model: nothing that would have to be told apart later.
+        self.assertEqual(sorted(os.listdir(features["--image_path"])), ["1000.png", "1002.png", "1004.png"])
+        self.assertEqual(cv2.imread(self.path("out", "images", "1002.png"), 0)[0, 0], 2)
         with open(self.path("counts.json"), encoding="utf-8") as file:
             self.assertEqual(json.load(file)["registered"], 3)
+
+    def test_takes_eurocs_folder(self):
+        os.makedirs(self.path("asl", "mav0", "cam0"))
+        os.rename(self.path("images"), self.path("asl", "mav0", "cam0", "data"))
+        code, said = self.run_script("--images", self.path("asl"))
+        self.assertEqual(code, 0, said)
+        self.assertEqual(len(os.listdir(self.path("out", "images"))), 5)
 
     def test_keeps_the_largest_model_first(self):
         code, said = self.run_images()
