@@ -4,195 +4,22 @@
 #include "deja_view/base/check.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
-#include <fstream>
-#include <type_traits>
+#include <utility>
+
+#include "model_stream.hpp"
 
 namespace deja_view::nerf {
 namespace {
 
-constexpr std::array<char, 8> kMagic = {'D', 'V', 'N', 'E', 'R', 'F', '\r', '\n'};
-constexpr std::uint32_t kVersion = 2;
-constexpr std::uint32_t kCellsVersion = 3;  // the same, and cells behind it
-
-struct Header {
-  std::array<char, 8> magic;
-  std::uint32_t version;
-  std::uint32_t reserved;
-  std::uint64_t body_size;
-};
-
-/// FNV-1a over words of eight bytes, of data that comes in pieces.
-class Checksum {
- public:
-  void Add(const void* data, std::size_t size) {
-    const char* from = static_cast<const char*>(data);
-    for (; size > 0 && held_ > 0; --size) {
-      Hold(*from++);
-    }
-    for (; size >= 8; size -= 8, from += 8) {
-      std::uint64_t word = 0;
-      std::memcpy(&word, from, 8);
-      Mix(word);
-    }
-    for (; size > 0; --size) {
-      Hold(*from++);
-    }
-  }
-  std::uint64_t Value() const {
-    Checksum last = *this;
-    while (last.held_ > 0) {
-      last.Hold(0);
-    }
-    return last.hash_;
-  }
-
- private:
-  void Hold(char byte) {
-    word_[held_++] = byte;
-    if (held_ == 8) {
-      std::uint64_t word = 0;
-      std::memcpy(&word, word_.data(), 8);
-      Mix(word);
-      held_ = 0;
-    }
-  }
-  void Mix(std::uint64_t word) {
-    hash_ = (hash_ ^ word) * 0x100000001B3ULL;
-    hash_ ^= hash_ >> 32U;
-  }
-  std::uint64_t hash_ = 0xCBF29CE484222325ULL;
-  std::array<char, 8> word_{};
-  std::size_t held_ = 0;
-};
-
-/// Counts bytes or, given a stream, writes and sums them up.
-class Writer {
- public:
-  explicit Writer(std::ostream* out) : out_(out) {}
-
-  template <typename T>
-  void Value(const T& value) {
-    static_assert(std::is_arithmetic_v<T>);
-    Bytes(&value, sizeof(T));
-  }
-  void Bytes(const void* from, std::size_t size) {
-    size_ += size;
-    if (out_ != nullptr && size > 0) {
-      checksum_.Add(from, size);
-      out_->write(static_cast<const char*>(from), static_cast<std::streamsize>(size));
-    }
-  }
-  template <typename T>
-  void operator()(const char* /*key*/, T& field) {
-    if constexpr (std::is_arithmetic_v<T>) {
-      Value(field);
-    } else {
-      field.Visit(*this);
-    }
-  }
-  std::uint64_t size() const { return size_; }
-  std::uint64_t checksum() const { return checksum_.Value(); }
-
- private:
-  std::ostream* out_;
-  std::uint64_t size_ = 0;
-  Checksum checksum_;
-};
-
-/// Reads the body of a model file; what it says is to be believed only after Finish().
-class Reader {
- public:
-  explicit Reader(const std::filesystem::path& path)
-      : path_(path.string()), stream_(path, std::ios::binary | std::ios::ate) {
-    if (!stream_) {
-      ThrowInputError("{}: can't be opened as a NeRF model", path_);
-    }
-    const auto size = static_cast<std::uint64_t>(stream_.tellg());
-    stream_.seekg(0);
-    Header header{};
-    char raw[sizeof(Header)];
-    if (size < sizeof(Header) + 8 || !stream_.read(raw, sizeof(Header))) {
-      ThrowInputError("{}: {} bytes are too few for a NeRF model", path_, size);
-    }
-    std::memcpy(&header, raw, sizeof(Header));
-    if (header.magic != kMagic) {
-      ThrowInputError("{}: is no NeRF model (its first bytes are others)", path_);
-    }
-    if ((header.version != kVersion && header.version != kCellsVersion) || header.reserved != 0) {
-      ThrowInputError(
-          "{}: version {}, expected {} or {}", path_, header.version, kVersion, kCellsVersion);
-    }
-    has_cells_ = header.version == kCellsVersion;
-    left_ = size - sizeof(Header) - 8;
-    if (header.body_size != left_) {
-      ThrowInputError("{}: says {} bytes of content, has {}", path_, header.body_size, left_);
-    }
-  }
-
-  template <typename T>
-  T Value() {
-    static_assert(std::is_arithmetic_v<T>);
-    if constexpr (std::is_same_v<T, bool>) {
-      const auto value = Value<std::uint8_t>();
-      if (value > 1) {
-        ThrowInputError("{}: a switch is {}, expected 0 or 1", path_, value);
-      }
-      return value == 1;
-    } else {
-      T value{};
-      Bytes(&value, sizeof(T));
-      return value;
-    }
-  }
-  void Bytes(void* to, std::size_t size) {
-    if (size > left_) {
-      ThrowInputError("{}: ends early: {} more bytes expected, {} left", path_, size, left_);
-    }
-    if (size > 0) {
-      if (!stream_.read(static_cast<char*>(to), static_cast<std::streamsize>(size))) {
-        ThrowInputError("{}: can't be read to its end", path_);
-      }
-      checksum_.Add(to, size);
-      left_ -= size;
-    }
-  }
-  template <typename T>
-  void operator()(const char* /*key*/, T& field) {
-    if constexpr (std::is_arithmetic_v<T>) {
-      field = Value<T>();
-    } else {
-      field.Visit(*this);
-    }
-  }
-  /// Throws InputError unless all has been read and was as it was written.
-  void Finish() {
-    if (left_ != 0) {
-      ThrowInputError("{}: {} bytes too many", path_, left_);
-    }
-    std::uint64_t checksum = 0;
-    char tail[sizeof(checksum)];
-    if (!stream_.read(tail, sizeof(tail))) {
-      ThrowInputError("{}: can't be read to its end", path_);
-    }
-    std::memcpy(&checksum, tail, sizeof(tail));
-    if (checksum != checksum_.Value()) {
-      ThrowInputError("{}: is damaged (its checksum differs)", path_);
-    }
-  }
-  std::uint64_t left() const { return left_; }
-  bool has_cells() const { return has_cells_; }
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-  std::ifstream stream_;
-  std::uint64_t left_ = 0;
-  bool has_cells_ = false;
-  Checksum checksum_;
-};
+using internal::Header;
+using internal::kCellsVersion;
+using internal::kFrameVersion;
+using internal::kMagic;
+using internal::kVersion;
+using internal::Reader;
+using internal::Writer;
 
 template <typename Floats>
 void WriteFloats(const Floats& values, Writer* writer) {
@@ -258,6 +85,10 @@ void ReadExposures(Reader* reader, RadianceField* field) {
 void ReadCells(Reader* reader, SceneCells* cells) {
   cells->index = reader->Value<std::int32_t>();
   const auto count = reader->Value<std::uint32_t>();
+  const bool is_none = count == 0 && cells->index == 0 && reader->version() > kCellsVersion;
+  if (is_none) {
+    return;
+  }
   if (count == 0 || count > reader->left() / (6 * sizeof(double)) || cells->index < 0 ||
       static_cast<std::uint32_t>(cells->index) >= count) {
     ThrowInputError("{}: sub-map {} of {} makes no sense", reader->path(), cells->index, count);
@@ -269,6 +100,41 @@ void ReadCells(Reader* reader, SceneCells* cells) {
       ThrowInputError("{}: a sub-map's cell is empty", reader->path());
     }
   }
+}
+
+void ReadFrame(Reader* reader, FieldFrame* frame) {
+  frame->is_known = reader->Value<bool>();
+  Similarity3& W_N = frame->W_N;
+  W_N.scale = reader->Value<double>();
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    W_N.T_A_B.t[i] = reader->Value<double>();
+  }
+  for (Eigen::Index i = 0; i < 4; ++i) {
+    W_N.T_A_B.q.coeffs()[i] = reader->Value<double>();
+  }
+  constexpr double kTolerance = 1e-6;
+  if (!(W_N.scale > 0) || !std::isfinite(W_N.scale) || !W_N.T_A_B.IsFinite() ||
+      !(std::abs(W_N.T_A_B.q.norm() - 1) < kTolerance)) {
+    ThrowInputError("{}: its frame (scale {}) makes no sense", reader->path(), W_N.scale);
+  }
+}
+
+void WriteFrame(const FieldFrame& frame, Writer* writer) {
+  writer->Value(static_cast<std::uint8_t>(frame.is_known));
+  writer->Value(frame.W_N.scale);
+  for (const double v : frame.W_N.T_A_B.t) {
+    writer->Value(v);
+  }
+  for (const double v : frame.W_N.T_A_B.q.coeffs()) {
+    writer->Value(v);
+  }
+}
+
+std::uint32_t VersionOf(const RadianceField& field) {
+  if (!field.frame.IsWorld()) {
+    return kFrameVersion;
+  }
+  return field.cells.IsCut() ? kCellsVersion : kVersion;
 }
 
 void WriteCells(const SceneCells& cells, Writer* writer) {
@@ -310,8 +176,12 @@ void WriteBody(const RadianceField& field, Writer* writer) {
     writer->Value(k);
   }
   writer->Value(field.progress);
-  if (field.cells.IsCut()) {
+  const std::uint32_t version = VersionOf(field);
+  if (version >= kCellsVersion) {
     WriteCells(field.cells, writer);
+  }
+  if (version >= kFrameVersion) {
+    WriteFrame(field.frame, writer);
   }
 }
 
@@ -320,8 +190,7 @@ void WriteBody(const RadianceField& field, Writer* writer) {
 void WriteField(const std::filesystem::path& path, const RadianceField& field) {
   Writer counter(nullptr);
   WriteBody(field, &counter);
-  const std::uint32_t version = field.cells.IsCut() ? kCellsVersion : kVersion;
-  const Header header{kMagic, version, 0, counter.size()};
+  const Header header{kMagic, VersionOf(field), 0, counter.size()};
   WriteFileAtomically(path, [&](std::ostream& out) {
     char raw[sizeof(Header)];
     std::memcpy(raw, &header, sizeof(Header));
@@ -384,8 +253,11 @@ RadianceField ReadField(const std::filesystem::path& path) {
     k = reader.Value<float>();
   }
   field.progress = reader.Value<float>();
-  if (reader.has_cells()) {
+  if (reader.version() >= kCellsVersion) {
     ReadCells(&reader, &field.cells);
+  }
+  if (reader.version() >= kFrameVersion) {
+    ReadFrame(&reader, &field.frame);
   }
   reader.Finish();
   if (!(field.progress >= 0 && field.progress <= 1)) {

@@ -398,6 +398,10 @@ void Trainer::SetCells(SceneCells cells) {
   impl_->field().cells = std::move(cells);
 }
 
+void Trainer::SetFrame(const FieldFrame& frame) {
+  impl_->field().frame = frame;
+}
+
 const RadianceField& Trainer::field() const {
   return impl_->field();
 }

@@ -181,11 +181,14 @@ bool NerfRenderNode::LoadModel(NamedMap::Request& request, NamedMap::Response& r
 void NerfRenderNode::Load(const std::string& name) {
   const auto path = models_.Resolve(name);
   auto scene = std::make_shared<Scene>();
-  scene->renderer = std::make_shared<nerf::FieldRenderer>(
-      std::make_shared<nerf::RadianceField>(nerf::ReadField(path)));
-  const std::string settings = fmt::format("node {} {} {} {}\n{}",
+  scene->field = std::make_shared<nerf::RadianceField>(nerf::ReadField(path));
+  const Similarity3& W_N = nerf::RequireFrame(scene->field->frame, path);
+  scene->N_W = W_N.Inverse();
+  scene->renderer = PlaceInWorld(std::make_shared<nerf::FieldRenderer>(scene->field), W_N);
+  const std::string settings = fmt::format("node {} {} {} {} {}\n{}",
                                            path.filename().string(),
                                            std::filesystem::file_size(path),
+                                           W_N.scale,
                                            content_.features,
                                            content_.depth,
                                            OptionsToYaml(options_));
@@ -210,7 +213,7 @@ void NerfRenderNode::Render(const PosedSource& posed) {
   if (scene == nullptr) {
     ThrowInputError("no model is loaded: expected a call of ~load_model first");
   }
-  if (!scene->renderer->field().cells.IsOwn(posed.T_N_C.t)) {
+  if (!scene->field->cells.IsOwn(scene->N_W * posed.T_N_C.t)) {
     ++elsewhere_;
     return;
   }

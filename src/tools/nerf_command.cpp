@@ -274,6 +274,39 @@ void AddRender(CLI::App* nerf, Command* command) {
       [=] { *command = Reporting(json_file, [request] { return RunNerfRender(*request); }); });
 }
 
+void AddAlign(CLI::App* nerf, Command* command) {
+  CLI::App* sub = nerf->add_subcommand(
+      "align", "Place a field that was trained on COLMAP's poses among poses in metres");
+  auto request = std::make_shared<NerfAlignRequest>();
+  auto json_file = std::make_shared<std::string>();
+  sub->add_option("--model", request->model, "Model file")->required()->check(CLI::ExistingFile);
+  sub->add_option("--poses",
+                  request->poses,
+                  "What it was trained on: a COLMAP model, TUM, EuRoC's or VINS-Mono's CSV, or "
+                  "BAG:/topic")
+      ->required();
+  sub->add_option("--poses-of", request->poses_of, "What these poses are of")
+      ->check(CLI::IsMember({"body", "camera"}))
+      ->capture_default_str();
+  sub->add_option("--align-to",
+                  request->align_to,
+                  "Poses of the body in metres, as --poses: those of the VIO, say")
+      ->required();
+  sub->add_option("--camera", request->camera, "Camera and extrinsics: VINS-Mono's YAML")
+      ->required()
+      ->check(CLI::ExistingFile);
+  sub->add_option("--max-rmse-m", request->max_rmse_m, "A worse fit is an error [m]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  sub->add_option("--out", request->out, "Model file to write; may be --model")->required();
+  sub->add_option("--json", *json_file, "File for the figures");
+  sub->footer(
+      "Example:\n  deja_view nerf align --model hall.dvn --poses hall_colmap --align-to "
+      "hall.bag:/vins_estimator/keyframe_pose --camera euroc.yaml --out hall.dvn");
+  sub->callback(
+      [=] { *command = Reporting(json_file, [request] { return RunNerfAlign(*request); }); });
+}
+
 void AddInfo(CLI::App* nerf, Command* command) {
   CLI::App* sub = nerf->add_subcommand("info", "Check a model file and show what it holds");
   auto path = std::make_shared<fs::path>();
@@ -286,13 +319,14 @@ void AddInfo(CLI::App* nerf, Command* command) {
 }  // namespace
 
 void AddNerfCommand(CLI::App& app, Command* command) {
-  CLI::App* nerf =
-      app.add_subcommand("nerf", "Radiance fields: train, eval, render, compare poses, info");
+  CLI::App* nerf = app.add_subcommand(
+      "nerf", "Radiance fields: train, eval, render, compare poses, align, info");
   nerf->require_subcommand(1);
   AddTrain(nerf, command);
   AddEval(nerf, command);
   AddComparePoses(nerf, command);
   AddRender(nerf, command);
+  AddAlign(nerf, command);
   AddInfo(nerf, command);
 }
 

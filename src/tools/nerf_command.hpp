@@ -56,6 +56,17 @@ struct NerfRenderRequest {
   bool show_progress = true;
 };
 
+/// What `deja_view nerf align` is told.
+struct NerfAlignRequest {
+  std::filesystem::path model;
+  std::string poses;  ///< ReadPoses: those that the model was trained on
+  std::string poses_of = "body";
+  std::string align_to;          ///< ReadPoses, of the body, in metres
+  std::filesystem::path camera;  ///< VINS-Mono's YAML
+  double max_rmse_m = 0.2;
+  std::filesystem::path out;
+};
+
 /// What `deja_view nerf compare-poses` is told.
 struct NerfCompareRequest {
   NerfInput input;  ///< images, camera and how they are taken; its poses are not used
@@ -91,6 +102,9 @@ nlohmann::ordered_json RunNerfComparePoses(const NerfCompareRequest& request);
 
 /// Writes 000000.png ... along a trajectory; returns `views, render_ms_median, peak_rss_mb`.
 nlohmann::ordered_json RunNerfRender(const NerfRenderRequest& request);
+
+/// Writes the model again, with its place among poses in metres. Returns `model, alignment`.
+nlohmann::ordered_json RunNerfAlign(const NerfAlignRequest& request);
 
 /// Reads a model to the last byte; returns what it holds.
 nlohmann::ordered_json RunNerfInfo(const std::filesystem::path& path);

@@ -41,6 +41,8 @@ Json RunNerfInfo(const std::filesystem::path& path) {
     json["cell_min"] = ToJson(field.cells.own().min);
     json["cell_max"] = ToJson(field.cells.own().max);
   }
+  const Similarity3& W_N = field.frame.W_N;
+  json["scale_m"] = field.frame.is_known ? Json(W_N.scale) : Json(nullptr);
   json["parameters"] = field.geometry.parameters().size() + field.appearance.parameters().size() +
                        field.density.parameters().size() + field.color.parameters().size();
   json["occupied_share"] = static_cast<double>(field.occupancy.CountOccupied()) /

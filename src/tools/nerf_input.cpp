@@ -1,6 +1,7 @@
 #include "nerf_input.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/io/colmap.hpp"
 #include "deja_view/io/vins_config.hpp"
 #include "deja_view/nerf/image_readers.hpp"
 
@@ -102,6 +103,12 @@ nerf::Split ReadNerfInput(const NerfInput& input) {
     AddPoints(input.points, &images);
   }
   return nerf::HoldOut(images, input.holdout);
+}
+
+nerf::FieldFrame FrameOf(const NerfInput& input) {
+  nerf::FieldFrame frame;
+  frame.is_known = input.colmap.empty() && !IsColmapModel(input.poses);
+  return frame;
 }
 
 nerf::LoadOptions MakeLoadOptions(const NerfInput& input, int threads) {

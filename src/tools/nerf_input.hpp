@@ -35,6 +35,9 @@ struct NerfInput {
 /// don't go together.
 nerf::Split ReadNerfInput(const NerfInput& input);
 
+/// Where the poses' frame lies: structure from motion knows no scale.
+nerf::FieldFrame FrameOf(const NerfInput& input);
+
 /// How the images are decoded, as grey levels.
 nerf::LoadOptions MakeLoadOptions(const NerfInput& input, int threads);
 

@@ -224,6 +224,9 @@ Json RunNerfTrain(const NerfTrainRequest& request) {
   nerf::Trainer trainer =
       MakeTrainer(request, options, std::move(views), std::move(beginning.field));
   trainer.SetCells(beginning.cells);
+  if (request.resume.empty()) {
+    trainer.SetFrame(FrameOf(request.input));
+  }
   const Schedule schedule(request, start, static_cast<double>(trainer.field().progress));
   const auto train_start = Clock::now();
   TrainingSums sums;

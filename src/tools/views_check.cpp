@@ -279,7 +279,7 @@ Json RunViewsCheck(const ViewsCheckRequest& request) {
   const ViewJob& job = posed.job;
   const std::vector<SourceImage> images =
       FindSourceImages(*job.flight, job.topics, job.sources, job.T_N_C).images;
-  const ViewModel model = ReadModel(request.input.model, posed.poses);
+  const ViewModel model = ReadModel(request.input.model, posed);
   Check check(request, job, model.renderer, Positions(images));
   std::optional<Progress> progress;
   if (request.input.show_progress) {

@@ -50,24 +50,25 @@ std::optional<Trajectory> ReadReference(const ViewsInput& input, const ViewJob& 
 }
 
 // Reads the poses of the camera into the job, in metres.
-PoseFrame ReadPoses(const ViewsInput& input, ViewJob* job) {
+void ReadPoses(const ViewsInput& input, PosedJob* posed) {
+  ViewJob* job = &posed->job;
   PoseSource source = ReadFlightPoses(input.poses, input.flight.bag, input.poses_of == "camera");
   // What is not to be aligned is taken to be in metres.
   const bool has_scale = source.has_scale || input.align_to == "off";
+  posed->tell_model_frame = !source.has_scale;
   const Trajectory T_N_C = OfCamera(std::move(source), job->T_B_C);
-  const PoseFrame frame =
-      FindPoseFrame(T_N_C,
-                    has_scale,
-                    ReadReference(input, *job),
-                    job->options.poses,
-                    fmt::format("{}, against the VIO (--align-to)", input.poses));
+  PoseFrame& frame = posed->poses;
+  frame = FindPoseFrame(T_N_C,
+                        has_scale,
+                        ReadReference(input, *job),
+                        job->options.poses,
+                        fmt::format("{}, against the VIO (--align-to)", input.poses));
   job->T_N_C = has_scale ? T_N_C : Transform(frame.W_N, T_N_C);
   if (input.show_progress) {
     std::cerr << fmt::format(
         "poses: {}\n",
         frame.fit ? frame.fit->Summary() : "not compared with a VIO: " + frame.not_checked);
   }
-  return frame;
 }
 
 std::string DescribeCells(const std::vector<nerf::SceneCell>& cells) {
@@ -115,7 +116,7 @@ PosedJob ReadViewsInput(const ViewsInput& input) {
   }
   std::filesystem::path& network = job.options.rendering.network;
   network = FindNetwork(network, NetworkDirectories(preset));
-  posed.poses = ReadPoses(input, &job);
+  ReadPoses(input, &posed);
   if (!input.places.empty()) {
     job.source_stamps_ns = ReadTum(input.places).stamps_ns;
   }
@@ -128,15 +129,13 @@ nlohmann::ordered_json ToJson(const PoseFrame& frame) {
                    : nlohmann::ordered_json{{"not_checked", frame.not_checked}};
 }
 
-ViewModel ReadModel(const fs::path& path, const PoseFrame& frame) {
+ViewModel ReadModel(const fs::path& path, const PosedJob& posed) {
   const auto renderer = std::make_shared<nerf::FieldRenderer>(
       std::make_shared<nerf::RadianceField>(nerf::ReadField(path)));
   ViewModel model;
-  model.renderer = renderer;
-  const bool is_moved = frame.W_N.scale != 1 || frame.W_N.T_A_B.t.norm() != 0;
-  if (is_moved) {
-    model.renderer = std::make_shared<SimilarityRenderer>(renderer, frame.W_N);
-  }
+  const Similarity3 W_N =
+      posed.tell_model_frame ? posed.poses.W_N : nerf::RequireFrame(renderer->field().frame, path);
+  model.renderer = PlaceInWorld(renderer, W_N);
   model.settings = fmt::format("model: {} {:016x}\n", path.filename().string(), HashFile(path));
   const nerf::SceneCells& cells = renderer->field().cells;
   if (cells.IsCut()) {
@@ -144,8 +143,8 @@ ViewModel ReadModel(const fs::path& path, const PoseFrame& frame) {
     model.settings = fmt::format(
         "sub-maps: {} {:016x}\n", cells.cells.size(), HashText(DescribeCells(cells.cells)));
     model.sub_map.shard = cells.shard();
-    model.sub_map.is_own = [cells, W_N = frame.W_N](const Eigen::Vector3d& p_W) {
-      return cells.IsOwn(W_N.T_A_B.Inverse() * p_W / W_N.scale);
+    model.sub_map.is_own = [cells, N_W = W_N.Inverse()](const Eigen::Vector3d& p_W) {
+      return cells.IsOwn(N_W * p_W);
     };
   }
   return model;

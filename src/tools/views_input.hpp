@@ -14,6 +14,7 @@ namespace deja_view {
 struct PosedJob {
   ViewJob job;
   PoseFrame poses;
+  bool tell_model_frame = false;  ///< the poses are the model's own: poses.W_N is its place
 };
 
 /// Throws InputError unless exactly one of bag and images is given, images with a camera.
@@ -32,8 +33,8 @@ struct ViewModel {
   std::string settings;  ///< which model it is, or of sub-maps: how the scene is cut; a line
 };
 
-/// Throws InputError.
-ViewModel ReadModel(const std::filesystem::path& path, const PoseFrame& frame);
+/// Throws InputError, also for a model whose place among the poses nobody knows.
+ViewModel ReadModel(const std::filesystem::path& path, const PosedJob& posed);
 
 /// Hash of a file's bytes; throws InputError that names it.
 std::uint64_t HashFile(const std::filesystem::path& path);

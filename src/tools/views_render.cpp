@@ -61,14 +61,14 @@ ViewRendererFactory MakeFactory(const ViewsRenderRequest& request,
 }
 
 // None for the renderer that needs none.
-ViewModel ReadWantedModel(const ViewsRenderRequest& request, const PoseFrame& poses) {
+ViewModel ReadWantedModel(const ViewsRenderRequest& request, const PosedJob& posed) {
   if (request.renderer == "warp") {
     return {};
   }
   if (request.input.model.empty()) {
     ThrowInputError("--model is missing: expected a radiance field, or --renderer warp");
   }
-  ViewModel model = ReadModel(request.input.model, poses);
+  ViewModel model = ReadModel(request.input.model, posed);
   const Shard& sub_map = model.sub_map.shard;
   if (sub_map.count > 1 && request.input.show_progress) {
     std::cerr << fmt::format(
@@ -127,7 +127,7 @@ Json RunViewsRender(const ViewsRenderRequest& request) {
     job.options.gate.max_depth_sigma = std::max(0.3, job.options.gate.max_depth_sigma);
     job.options.gate.min_certain_share = std::min(0.5, job.options.gate.min_certain_share);
   }
-  const ViewModel model = ReadWantedModel(request, posed.poses);
+  const ViewModel model = ReadWantedModel(request, posed);
   job.sub_map = model.sub_map;
   job.settings = DescribeSettings(request, job.options, model);
   SourceProgress progress(request.input.show_progress);

@@ -79,4 +79,13 @@ RenderedView SimilarityRenderer::Render(const Camera& camera,
   return view;
 }
 
+std::shared_ptr<const ViewRenderer> PlaceInWorld(std::shared_ptr<const ViewRenderer> renderer,
+                                                 const Similarity3& W_N) {
+  const Eigen::Vector4d& q = W_N.T_A_B.q.coeffs();
+  if (W_N.scale == 1 && W_N.T_A_B.t.isZero(0) && q.head<3>().isZero(0)) {
+    return renderer;
+  }
+  return std::make_shared<SimilarityRenderer>(std::move(renderer), W_N);
+}
+
 }  // namespace deja_view

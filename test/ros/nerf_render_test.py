@@ -14,6 +14,8 @@ from deja_view.msg import VirtualFrame
 from deja_view.srv import NamedMap
 from flight import IMAGE, ODOMETRY, Flight, Recorder, wait_until
 
+POSE, POINT = "/vins_estimator/keyframe_pose", "/vins_estimator/keyframe_point"
+
 FRAME = "/virtual_cam0/frame"
 VIEWS = 2
 
@@ -37,6 +39,17 @@ def decode(frame):
     return cv2.imdecode(np.frombuffer(bytes(frame.image), np.uint8), cv2.IMREAD_UNCHANGED)
 
 
+def median_range(flight):
+    """Of the VIO's points from the body that sees them [m]."""
+    poses = {m.header.stamp: m.pose.pose.position for _, topic, m in flight.messages if topic == POSE}
+    ranges = []
+    for _, topic, m in flight.messages:
+        if topic == POINT and m.header.stamp in poses:
+            p = poses[m.header.stamp]
+            ranges += [np.linalg.norm([q.x - p.x, q.y - p.y, q.z - p.z]) for q in m.points]
+    return np.median(ranges)
+
+
 def correlation(a, b):
     a, b = (cv2.GaussianBlur(image.astype(np.float64), (0, 0), 6).ravel() for image in (a, b))
     return np.corrcoef(a, b)[0, 1]
@@ -57,7 +70,10 @@ class NerfRenderTest(unittest.TestCase):
         frames = Recorder({FRAME: VirtualFrame})[FRAME]
         for name in ("", "../models/room", "/etc/passwd", "nowhere"):
             self.assertFalse(self.load(name).success, name)
-        answer = self.load("room")
+        answer = self.load("colmap")
+        self.assertFalse(answer.success)
+        self.assertIn("without a scale", answer.message)
+        answer = self.load(rospy.get_param("~model"))
         self.assertTrue(answer.success, answer.message)
 
         wait_until(
@@ -69,7 +85,8 @@ class NerfRenderTest(unittest.TestCase):
         wait_until(lambda: len(frames) >= 4 * VIEWS, 120.0, "virtual frames")
         rospy.sleep(1.0)
 
-        correlations = []
+        metres = median_range(flight)
+        correlations, depths = [], []
         for frame in list(frames):
             self.assertIn(frame.header.stamp, images)
             self.assertEqual(frame.view_count, VIEWS)
@@ -79,11 +96,14 @@ class NerfRenderTest(unittest.TestCase):
             self.assertEqual(frame.descriptor, "brief")
             self.assertEqual(len(frame.descriptors), 32 * len(frame.u))
             self.assertEqual(len(frame.depth), len(frame.u))
+            depths += [depth for depth in frame.depth if depth > 0]
             view = decode(frame)
             self.assertEqual(view.shape, (frame.height, frame.width))
             correlations.append(correlation(view, images[frame.header.stamp]))
         # Ten centimetres beside it a camera sees nearly the same.
         self.assertGreater(np.median(correlations), 0.5)
+        # In metres, as the VIO's points.
+        self.assertTrue(0.7 < np.median(depths) / metres < 1.4, (np.median(depths), metres))
         self.assertEqual(len({frame.settings_hash for frame in frames}), 1)
 
 

@@ -18,8 +18,15 @@ import rosbag
 TOOL, FLIGHT, PRESET = sys.argv[1:4]
 IMAGE, FRAME, POSES = "/cam0/image_raw", "/virtual_cam0/frame", "/odometry"
 CAMERA = ["--camera", os.path.join(FLIGHT, "camera.yaml")]
-SOURCES = [*CAMERA, "--poses", os.path.join(FLIGHT, "groundtruth.txt"), "--align-to", "off", "--model",
-           os.path.join(FLIGHT, "models", "room.dvn"), "--preset", PRESET]
+TRUTH = os.path.join(FLIGHT, "groundtruth.txt")
+
+
+def sources(poses=TRUTH, align_to="off", model="room"):
+    return [*CAMERA, "--poses", poses, "--align-to", align_to, "--model",
+            os.path.join(FLIGHT, "models", model + ".dvn"), "--preset", PRESET]
+
+
+SOURCES = sources()
 RENDER = ["render", *SOURCES, "--quiet"]
 
 
@@ -70,7 +77,7 @@ class ViewsImagesTest(unittest.TestCase):
             self.assertEqual(message.header.stamp.to_nsec(), time_ns)
             pixels = np.frombuffer(message.data, np.uint8).reshape(message.height, message.width)
             self.assertTrue(np.array_equal(pixels, cv2.imread(path, cv2.IMREAD_UNCHANGED)))
-        truth = np.loadtxt(os.path.join(FLIGHT, "groundtruth.txt"))
+        truth = np.loadtxt(TRUTH)
         for time_ns, message in poses:
             self.assertEqual(message.header.stamp.to_nsec(), time_ns)
             p = message.pose.pose.position
@@ -109,6 +116,32 @@ class ViewsImagesTest(unittest.TestCase):
             self.assertGreater(bag.get_message_count("/virtual_cam0/image_raw"), 0)
         self.assertEqual(stamps, {stamp(self.images[7])})
 
+    def test_fields_of_colmap_need_a_place(self):
+        asl, out = self.asl(), self.path("out.bag")
+
+        def frames(*arguments):
+            self.views("render", *sources(*arguments), "--images", asl, "--depth", "--quiet", "--out", out)
+            with rosbag.Bag(out) as bag:
+                return [message for _, message, _ in bag.read_messages([FRAME])]
+
+        error = self.views("render", *sources(model="colmap"), "--images", asl, "--out", out, code=1)
+        self.assertIn("colmap.dvn", error)
+        self.assertIn("nerf align", error)
+        # By their own poses, aligned with the truth, and once for all: the same views, in metres.
+        by_poses = frames(os.path.join(FLIGHT, "colmap"), TRUTH, "colmap")
+        by_place = frames(TRUTH, "off", "aligned")
+        self.assertGreater(len(by_place), 4)
+        self.assertEqual(len(by_poses), len(by_place))
+        for one, other in zip(by_poses, by_place):
+            self.assertEqual(one.header.stamp, other.header.stamp)
+            positions = [np.array([m.T_C_V.position.x, m.T_C_V.position.y, m.T_C_V.position.z]) for m in (one, other)]
+            self.assertLess(np.linalg.norm(positions[0] - positions[1]), 1e-9)
+            self.assertTrue(0.05 <= np.linalg.norm(positions[0]) <= 0.1)
+            depths = [cv2.imdecode(np.frombuffer(bytes(m.depth_png), np.uint8), cv2.IMREAD_UNCHANGED) / 1e3
+                      for m in (one, other)]
+            self.assertLess(np.median(np.abs(depths[0] - depths[1])), 0.01)
+            self.assertTrue(0.3 < np.median(depths[0]) < 20)
+
     def test_names_what_is_wrong(self):
         out = self.path("out.bag")
 
@@ -122,8 +155,8 @@ class ViewsImagesTest(unittest.TestCase):
         self.assertIn("either --bag or --images, found none", error())
         self.assertIn("no keyframes", error("--images", asl, "--sources", "keyframes"))
         self.assertIn("VIO's points", error("--images", asl, "--renderer", "warp"))
-        no_topic = ["/odometry" if cell.endswith("groundtruth.txt") else cell for cell in RENDER]
-        self.assertIn("no such file or topic", self.views(*no_topic, "--images", asl, "--out", out, code=1))
+        no_topic = ["render", *sources(poses="/odometry"), "--images", asl, "--out", out]
+        self.assertIn("no such file or topic", self.views(*no_topic, code=1))
         shutil.copy(os.path.join(FLIGHT, "flight.bag"), self.path("part.bag"))
         self.assertIn("needs --camera", self.views("merge", "--images", asl, self.path("part.bag"), "--out", out, code=1))
         for name, image, expected in (("frame7.png", np.zeros((480, 752), np.uint8), "as the image's name"),

@@ -9,49 +9,12 @@ import sys
 import tempfile
 import unittest
 
-import cv2
-import numpy as np
 import rosbag
+
+from colmap_model import read_truth, write_model
 
 TOOL, FLIGHT = sys.argv[1:3]
 TOPIC = "/vins_estimator/keyframe_pose"
-
-
-def rotation(q):
-    """Matrix of a quaternion (x, y, z, w)."""
-    x, y, z, w = q / np.linalg.norm(q)
-    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-                     [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-                     [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
-
-
-def quaternion(R):
-    """(x, y, z, w) of a matrix."""
-    vector, angle = cv2.Rodrigues(R)[0].ravel(), 0
-    angle = np.linalg.norm(vector)
-    axis = vector / angle if angle > 0 else vector
-    return np.append(np.sin(angle / 2) * axis, np.cos(angle / 2))
-
-
-def stamp_ns(text):
-    seconds, _, fraction = text.partition(".")
-    return int(seconds) * 10**9 + int(fraction.ljust(9, "0")[:9])
-
-
-def read_truth():
-    """Stamps [ns], positions and quaternions (x, y, z, w) of the body."""
-    rows = []
-    with open(os.path.join(FLIGHT, "groundtruth.txt"), encoding="utf-8") as file:
-        for line in file:
-            cells = line.split()
-            if cells and not line.startswith("#"):
-                rows.append((stamp_ns(cells[0]), np.array(cells[1:4], float), np.array(cells[4:8], float)))
-    return rows
-
-
-def read_extrinsic():
-    storage = cv2.FileStorage(os.path.join(FLIGHT, "camera.yaml"), cv2.FILE_STORAGE_READ)
-    return storage.getNode("extrinsicRotation").mat(), storage.getNode("extrinsicTranslation").mat().ravel()
 
 
 class ViewsPosesTest(unittest.TestCase):
@@ -59,7 +22,7 @@ class ViewsPosesTest(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = folder.name
-        self.truth = read_truth()
+        self.truth = read_truth(FLIGHT)
 
     def path(self, *names):
         path = os.path.join(self.folder, *names)
@@ -77,25 +40,10 @@ class ViewsPosesTest(unittest.TestCase):
                 for stamp, p, q in self.truth[::step]]
 
     def colmap(self, scale, *names):
-        """A model of every keyframe in another frame, in units of 1 / scale metres."""
-        R_B_C, t_B_C = read_extrinsic()
-        R_N_W, t_N_W = rotation(np.array([0.3, -0.5, 0.1, 0.7])), np.array([7, -3, 2])
-        truth = {stamp: (p, q) for stamp, p, q in self.truth}
-        stamps = sorted(truth)
-        images = []
+        """A model of every keyframe in another frame, in units of `scale` metres."""
         with rosbag.Bag(os.path.join(FLIGHT, "flight.bag")) as bag:
-            keyframes = [message.header.stamp.to_nsec() for _, message, _ in bag.read_messages([TOPIC])]
-        for i, stamp in enumerate(keyframes):
-            p, q = truth[min(stamps, key=lambda s, stamp=stamp: abs(s - stamp))]
-            R_N_C = R_N_W @ rotation(q) @ R_B_C
-            t_N_C = (R_N_W @ (p + rotation(q) @ t_B_C) + t_N_W) / scale
-            x, y, z, w = quaternion(R_N_C.T)
-            t = -R_N_C.T @ t_N_C
-            images += ["%d %s 1 %d.png" % (i + 1, " ".join("%.9f" % v for v in (w, x, y, z, *t)), stamp), ""]
-        self.write(["1 PINHOLE 752 480 460 460 376 240"], *names, "cameras.txt")
-        self.write([], *names, "points3D.txt")
-        self.write(images, *names, "images.txt")
-        return self.path(*names)
+            stamps = [message.header.stamp.to_nsec() for _, message, _ in bag.read_messages([TOPIC])]
+        return write_model(FLIGHT, self.path(*names), stamps, scale)
 
     def run_tool(self, poses, *arguments):
         report = self.path("report.json")

@@ -16,6 +16,10 @@ struct Similarity3 {
   Eigen::Vector3d operator*(const Eigen::Vector3d& p_B) const {
     return T_A_B.q * (scale * p_B) + T_A_B.t;
   }
+  Similarity3 Inverse() const {
+    const Rigid3 T_B_A = T_A_B.Inverse();
+    return {1 / scale, {T_B_A.q, T_B_A.t / scale}};
+  }
 };
 
 /// Least-squares alignment of points, ‖p_A − (s R p_B + t)‖², by Umeyama (PAMI 1991).

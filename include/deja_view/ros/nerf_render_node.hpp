@@ -35,8 +35,9 @@ namespace deja_view {
 ///   ~model            name of the model to start with; empty: wait for ~load_model
 ///   ~content          image, features or both
 ///   ~depth            also depth and certainty per pixel
-///   ~topics/image, ~topics/pose   images (the YAML's topic) and nav_msgs/Odometry in the model's
-///                     frame (/vins_estimator/odometry)
+///   ~topics/image, ~topics/pose   images (the YAML's topic) and nav_msgs/Odometry in the frame of
+///                     the model's training poses, or where `nerf align` has placed the model
+///                     (/vins_estimator/odometry); a model without a scale is refused
 ///   ~poses_of         body or camera
 ///   ~compressed_images
 ///   ~queue_size       images that may wait for the renderer; then the oldest is dropped
@@ -79,7 +80,9 @@ class NerfRenderNode {
 
   /// What a model needs to make views; replaced as a whole.
   struct Scene {
-    std::shared_ptr<const nerf::FieldRenderer> renderer;
+    std::shared_ptr<const nerf::RadianceField> field;
+    Similarity3 N_W;
+    std::shared_ptr<const ViewRenderer> renderer;  ///< in the world of the poses
     std::unique_ptr<ViewMaker> maker;
   };
   std::mutex scene_mutex_;

@@ -64,4 +64,8 @@ class SimilarityRenderer final : public ViewRenderer {
   Similarity3 W_N_;
 };
 
+/// A SimilarityRenderer, or the renderer itself where N is W.
+std::shared_ptr<const ViewRenderer> PlaceInWorld(std::shared_ptr<const ViewRenderer> renderer,
+                                                 const Similarity3& W_N);
+
 }  // namespace deja_view

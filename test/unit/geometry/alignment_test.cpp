@@ -32,6 +32,13 @@ TEST(AlignPoints, RecoversASimilarity) {
   EXPECT_LT((found.T_A_B.t - truth.T_A_B.t).norm(), 1e-12);
 }
 
+TEST(Similarity3, InverseTakesPointsBack) {
+  const Similarity3 A_B{2.5, {ExpSo3({0.3, -1.0, 2.0}), {1, -2, 3}}};
+  for (const Eigen::Vector3d& p : RandomPoints(5)) {
+    EXPECT_LT((A_B.Inverse() * (A_B * p) - p).norm(), 1e-12);
+  }
+}
+
 TEST(AlignPoints, KeepsScaleOneWhenAsked) {
   const auto p_B = RandomPoints(20);
   std::vector<Eigen::Vector3d> p_A;

@@ -107,6 +107,30 @@ TEST_F(CheckpointTest, CellsThatMakeNoSenseAreAnError) {
   EXPECT_TRUE(is_refused({1, empty}));
 }
 
+TEST_F(CheckpointTest, FramesComeBackWithAndWithoutCells) {
+  RadianceField field = ReadField(WriteSample());
+  EXPECT_TRUE(field.frame.IsWorld());
+  const fs::path path = directory() / "framed";
+  field.frame = {true, {2.5, {ExpSo3({0.1, 0.2, 0.3}), {4, 5, 6}}}};
+  for (const int cells : {0, 2}) {
+    field.cells = {0,
+                   cells == 0 ? std::vector<SceneCell>() : CutByCameras({{0, 0, 0}, {2, 0, 0}}, 2)};
+    WriteField(path, field);
+    const RadianceField read = ReadField(path);
+    EXPECT_TRUE(read.cells.cells == field.cells.cells);
+    EXPECT_EQ(RequireFrame(read.frame, path).scale, 2.5);
+    EXPECT_EQ(read.frame.W_N.T_A_B.t, field.frame.W_N.T_A_B.t);
+    EXPECT_EQ(read.frame.W_N.T_A_B.q.coeffs(), field.frame.W_N.T_A_B.q.coeffs());
+  }
+  field.frame = {false, {}};
+  WriteField(path, field);
+  EXPECT_FALSE(ReadField(path).frame.is_known);
+  EXPECT_THROW(RequireFrame(ReadField(path).frame, path), InputError);
+  field.frame = {true, {-1, {}}};
+  WriteField(path, field);
+  EXPECT_THROW(ReadField(path), InputError);
+}
+
 TEST_F(CheckpointTest, EveryCutIsAnError) {
   const std::vector<char> bytes = Bytes(WriteSample());
   for (std::size_t size = 0; size < bytes.size(); size += 1 + size / 8) {

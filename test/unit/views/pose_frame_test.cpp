@@ -134,6 +134,15 @@ TEST(SimilarityRendererTest, ShowsAModelOfAnotherScaleInMetres) {
   EXPECT_LT(cv::norm(view.depth, truth.depth, cv::NORM_INF), 1e-4);
   EXPECT_LT(cv::norm(view.depth_variance, truth.depth_variance, cv::NORM_INF), 1e-4);
   EXPECT_THROW(SimilarityRenderer(std::make_shared<SmallRoom>(), {0, {}}), CheckError);
+  const RenderedView placed = PlaceInWorld(std::make_shared<SmallRoom>(), {2.5, T_W_N})
+                                  ->Render(camera, T_W_N * T_room_C, {});
+  EXPECT_LT(cv::norm(placed.depth, truth.depth, cv::NORM_INF), 1e-4);
+}
+
+TEST(SimilarityRendererTest, ModelsInTheWorldStayAsTheyAre) {
+  const auto room = std::make_shared<RoomRenderer>();
+  EXPECT_EQ(PlaceInWorld(room, {}), room);
+  EXPECT_NE(PlaceInWorld(room, {1, {FromYaw(0.1), {0, 0, 0}}}), room);
 }
 
 }  // namespace

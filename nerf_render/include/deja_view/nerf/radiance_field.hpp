@@ -2,6 +2,7 @@
 
 #include "deja_view/geometry/rigid3.hpp"
 #include "deja_view/nerf/feature_grid.hpp"
+#include "deja_view/nerf/field_frame.hpp"
 #include "deja_view/nerf/network.hpp"
 #include "deja_view/nerf/occupancy_grid.hpp"
 #include "deja_view/nerf/options.hpp"
@@ -67,6 +68,7 @@ struct RadianceField {
   Vignetting vignetting;  ///< of the training cameras
   float progress = 0;     ///< share of its training that is done, 0 to 1
   SceneCells cells;       ///< where the scene is cut into sub-maps
+  FieldFrame frame;       ///< where N lies among poses in metres
 
   Eigen::Vector3f Extent() const { return ((box.max - box.min) / box.Size()).cast<float>(); }
 };

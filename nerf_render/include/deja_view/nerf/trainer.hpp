@@ -62,6 +62,9 @@ class Trainer {
   /// Says of which sub-map the field is; training does not depend on it.
   void SetCells(SceneCells cells);
 
+  /// Says where the training poses' frame lies; training does not depend on it.
+  void SetFrame(const FieldFrame& frame);
+
   /// The field as it is now; it changes with the next Step.
   const RadianceField& field() const;
 
