@@ -7,6 +7,7 @@
 #include "deja_view/nerf/sparse_points.hpp"
 #include "deja_view/nerf/trainer.hpp"
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
@@ -129,9 +130,13 @@ class Schedule {
   double ShareOfRun(int steps) const {
     // Time that writing the model takes; part of the budget.
     constexpr double kWriting_s = 1.5;
-    return request_.steps > 0
-               ? static_cast<double>(steps) / request_.steps
-               : (SecondsSince(start_) + kWriting_s - setup_s_) / (request_.budget_s - setup_s_);
+    if (request_.steps > 0) {
+      return static_cast<double>(steps) / request_.steps;
+    }
+    // Where reading the images took most of the budget, or more, some training remains.
+    const double left_s =
+        std::max({request_.budget_s - setup_s_, 0.25 * request_.budget_s, 2 * kWriting_s});
+    return (SecondsSince(start_) + kWriting_s - setup_s_) / left_s;
   }
   double setup_s() const { return setup_s_; }
 
