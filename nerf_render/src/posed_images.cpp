@@ -176,9 +176,33 @@ cv::Mat ReadDepthMap(const PosedImage& image) {
   for (int y = 0; y < stored.rows; ++y) {
     for (int x = 0; x < stored.cols; ++x) {
       const auto depth = stored.at<std::uint16_t>(y, x);
-      const double along_axis = camera.Unproject({x, y}).z();
-      if (depth > 0 && depth < kUnknown && along_axis > 0) {
-        range.at<float>(y, x) = static_cast<float>(depth * image.depth.unit_m / along_axis);
+      const double share = image.depth.is_along_ray ? 1 : camera.Unproject({x, y}).z();
+      if (depth > 0 && depth < kUnknown && share > 0) {
+        range.at<float>(y, x) = static_cast<float>(depth * image.depth.unit_m / share);
+      }
+    }
+  }
+  return range;
+}
+
+cv::Mat ReadImageDepth(const PosedImage& image) {
+  cv::Mat depth = ReadDepthMap(image);
+  if (!image.depth.camera) {
+    return depth;
+  }
+  cv::Mat range = cv::Mat::zeros(image.camera->height(), image.camera->width(), CV_32FC1);
+  for (int y = 0; y < range.rows; ++y) {
+    for (int x = 0; x < range.cols; ++x) {
+      const Eigen::Vector3d ray = image.camera->Unproject({x, y});
+      const auto pixel = image.depth.camera->Project(ray);
+      if (!pixel) {
+        continue;
+      }
+      const cv::Point at(cvRound(pixel->x()), cvRound(pixel->y()));
+      if (cv::Rect(0, 0, depth.cols, depth.rows).contains(at)) {
+        // Of the same distance along the axis, as the two rays differ a little.
+        const double share = image.depth.camera->Unproject({at.x, at.y}).z() / ray.z();
+        range.at<float>(y, x) = static_cast<float>(share) * depth.at<float>(at);
       }
     }
   }

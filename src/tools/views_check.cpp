@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -126,10 +126,12 @@ class Check {
   Check(const ViewsCheckRequest& request,
         const ViewJob& job,
         std::shared_ptr<const ViewRenderer> renderer,
+        const std::shared_ptr<const DepthMaps>& maps,
         const std::vector<Eigen::Vector3d>& flown_N)
       : job_(job),
         renderer_(std::move(renderer)),
-        warp_(WarpFactory(job_.camera)),
+        warp_(WarpFactory(job_.camera, nullptr)),
+        depth_warp_(maps ? WarpFactory(job_.camera, maps) : nullptr),
         ways_(MakeWays(job_.options.rendering, request)),
         small_camera_(job_.camera->Scaled(job_.options.gate.scale)),
         gate_(job_.options.gate, job_.camera, flown_N),
@@ -153,6 +155,7 @@ class Check {
     const ViewRenderOptions exposure{
         static_cast<float>(fit.gain), static_cast<float>(fit.bias), job_.threads};
     const auto warp = sample.points.empty() ? nullptr : warp_(sample.source, sample.points);
+    const auto depth_warp = depth_warp_ ? depth_warp_(sample.source, {}) : nullptr;
     const auto accept = [&](const Rigid3& T_C_V) {
       const GateVerdict verdict = gate_.Judge(*renderer_, sample.source.T_N_C, T_C_V);
       not_free_ += verdict == GateVerdict::kNotFree ? 1 : 0;
@@ -172,6 +175,10 @@ class Check {
       if (warp != nullptr) {
         offer["warp"] =
             Match("warp", direct_, *warp, {1, 0, job_.threads}, {real, depth, T_N_V, T_C_V});
+      }
+      if (depth_warp != nullptr) {
+        offer["warp_depth"] = Match(
+            "warp_depth", direct_, *depth_warp, {1, 0, job_.threads}, {real, depth, T_N_V, T_C_V});
       }
       offers_.push_back(offer);
     }
@@ -223,6 +230,7 @@ class Check {
   const ViewJob& job_;
   std::shared_ptr<const ViewRenderer> renderer_;
   ViewRendererFactory warp_;
+  ViewRendererFactory depth_warp_;  // null without depth maps
   std::map<std::string, ViewUpscaler> ways_;
   ViewUpscaler direct_{UpscalingOptions()};
   std::unique_ptr<Camera> small_camera_;
@@ -241,26 +249,28 @@ struct Pairs {
   std::set<std::int64_t> first_stamps;
 };
 
-Pairs ChoosePairs(const std::vector<SourceImage>& all, int count) {
+// Pairs whose first image `can_be_first`.
+Pairs ChoosePairs(const std::vector<SourceImage>& all,
+                  int count,
+                  const std::function<bool(const SourceImage&)>& can_be_first) {
+  std::vector<std::size_t> candidates;
+  for (std::size_t i = 0; i + 1 < all.size(); ++i) {
+    if (can_be_first(all[i])) {
+      candidates.push_back(i);
+    }
+  }
   Pairs pairs;
-  const std::size_t step = std::max<std::size_t>(1, all.size() / static_cast<std::size_t>(count));
-  for (std::size_t i = 0;
-       i + 1 < all.size() && pairs.first_stamps.size() < static_cast<std::size_t>(count);
-       i += step) {
+  const std::size_t step =
+      std::max<std::size_t>(1, candidates.size() / static_cast<std::size_t>(count));
+  for (std::size_t c = 0;
+       c < candidates.size() && pairs.first_stamps.size() < static_cast<std::size_t>(count);
+       c += step) {
+    const std::size_t i = candidates[c];
     pairs.first_stamps.insert(all[i].stamp_ns);
     pairs.images.push_back(all[i]);
     pairs.images.push_back(all[i + 1]);
   }
   return pairs;
-}
-
-std::vector<SourceImage> OwnImages(const std::vector<SourceImage>& images,
-                                   const ViewSubMap& sub_map) {
-  std::vector<SourceImage> own;
-  std::copy_if(images.begin(), images.end(), std::back_inserter(own), [&](const SourceImage& i) {
-    return sub_map.shard.count == 1 || sub_map.is_own(i.T_N_C.t);
-  });
-  return own;
 }
 
 std::vector<Eigen::Vector3d> Positions(const std::vector<SourceImage>& images) {
@@ -280,12 +290,19 @@ Json RunViewsCheck(const ViewsCheckRequest& request) {
   const std::vector<SourceImage> images =
       FindSourceImages(*job.flight, job.topics, job.sources, job.T_N_C).images;
   const ViewModel model = ReadModel(request.input.model, posed);
-  Check check(request, job, model.renderer, Positions(images));
+  const auto maps = OpenDepthMaps(request.input.depth_maps, job.camera);
+  if (maps != nullptr) {
+    maps->CountImages(*job.flight, job.topics.image);
+  }
+  Check check(request, job, model.renderer, maps, Positions(images));
   std::optional<Progress> progress;
   if (request.input.show_progress) {
     progress.emplace("matching", "images", static_cast<std::size_t>(request.count));
   }
-  const Pairs pairs = ChoosePairs(OwnImages(images, model.sub_map), request.count);
+  const Pairs pairs = ChoosePairs(images, request.count, [&](const SourceImage& image) {
+    return (model.sub_map.shard.count == 1 || model.sub_map.is_own(image.T_N_C.t)) &&
+           (maps == nullptr || maps->Has(image.stamp_ns));
+  });
   std::size_t done = 0;
   std::optional<LoadedSource> before;
   ReadSourceImages(*job.flight,

@@ -129,19 +129,42 @@ void AddInputOptions(CLI::App* sub, ViewsInput* input) {
       "--quiet", [input] { input->show_progress = false; }, "No progress");
 }
 
+void AddDepthMapOptions(CLI::App* sub, DepthMapFiles* maps) {
+  CLI::Option* directory =
+      sub->add_option(
+             "--depth-maps",
+             maps->directory,
+             "16-bit depth images, by which images are warped: named by the images' stamps "
+             "and seen by their camera, or a folder of 7-Scenes")
+          ->check(CLI::ExistingDirectory);
+  sub->add_option("--depth-along",
+                  maps->along,
+                  "What they measure along: the optical axis, or the pixel's ray (as simulate "
+                  "--ranges)")
+      ->check(CLI::IsMember({"axis", "ray"}))
+      ->capture_default_str()
+      ->needs(directory);
+  sub->add_option("--depth-unit", maps->unit_m, "Their unit [m]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str()
+      ->needs(directory);
+}
+
 void AddRender(CLI::App* views, Command* command) {
   CLI::App* sub =
       views->add_subcommand("render", "Add virtual views to a bag or a folder of images");
   auto request = std::make_shared<ViewsRenderRequest>();
   auto json_file = std::make_shared<std::string>();
   AddInputOptions(sub, &request->input);
-  sub->add_option(
-         "--renderer", request->renderer, "nerf, or warp: the image itself by the VIO's points")
+  sub->add_option("--renderer",
+                  request->renderer,
+                  "nerf, or warp: the image itself by the VIO's points or --depth-maps")
       ->check(CLI::IsMember({"nerf", "warp"}))
       ->capture_default_str();
   sub->add_option("--content", request->content, "What a view carries")
       ->check(CLI::IsMember({"image", "features", "both"}))
       ->capture_default_str();
+  AddDepthMapOptions(sub, &request->input.depth_maps);
   sub->add_flag("--depth", request->depth, "Also depth and certainty per pixel");
   sub->add_flag("--plain-topics", request->plain_topics, "Also Image, CameraInfo and PoseStamped");
   sub->add_flag("--views-only",
@@ -159,7 +182,9 @@ void AddRender(CLI::App* views, Command* command) {
       "  deja_view views render --bag hall.bag --camera euroc.yaml --poses truth.txt --model "
       "hall.dvn --preset wide --out hall_views.bag\n"
       "  deja_view views render --images MH_01_easy --camera euroc.yaml --poses MH_01_easy --model "
-      "mh_01.dvn --out mh_01_views.bag");
+      "mh_01.dvn --out mh_01_views.bag\n"
+      "  deja_view views render --images images --camera camera.yaml --poses truth.txt --renderer "
+      "warp --depth-maps depth --out views.bag");
   sub->callback([=] {
     *command = Reporting(
         json_file,
@@ -199,6 +224,7 @@ void AddCheck(CLI::App* views, Command* command) {
   auto json_file = std::make_shared<std::string>();
   AddInputOptions(sub, &request->input);
   sub->get_option("--model")->required();
+  AddDepthMapOptions(sub, &request->input.depth_maps);
   sub->add_option("--count", request->count, "Images to check, spread over the flight")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();

@@ -17,6 +17,13 @@ struct FlightFiles {
   std::string image_topic;       ///< empty: the camera YAML's
 };
 
+/// 16-bit depth maps of a flight's images.
+struct DepthMapFiles {
+  std::filesystem::path directory;  ///< nerf::ListDepthMaps; empty: none
+  std::string along = "axis";  ///< what they measure: along the optical axis or the pixel's ray
+  double unit_m = 1e-3;
+};
+
 /// What views are made of: a flight, its poses and a model of the scene.
 struct ViewsInput {
   FlightFiles flight;
@@ -25,6 +32,7 @@ struct ViewsInput {
   std::string align_to = "auto";  ///< poses to compare with: auto (the VIO's in the bag, if any),
                                   ///< off, or ReadFlightPoses of the body
   std::filesystem::path model;    ///< a radiance field
+  DepthMapFiles depth_maps;       ///< by which images are warped
   std::string preset = "paper";   ///< paper, wide or a ViewOptions file
   std::vector<std::string> overrides;  ///< "group.key=value" on top
   std::string sources = "auto";        ///< SourceKind
@@ -62,9 +70,9 @@ struct ViewsCheckRequest {
   std::vector<std::string> ways;  ///< direct, bicubic, patches, fsrcnn; empty: all
 };
 
-/// Makes the bag; returns `alignment, sub_map (of a sub-map's model), images, without_pose,
-/// sources, resumed, not_recognised, views, not_free, uncertain, bytes_per_view, source_psnr_db,
-/// source_ms_median, wall_s, peak_rss_mb`.
+/// Makes the bag; returns `alignment, sub_map (of a sub-map's model), depth_maps (the images that
+/// have one), images, without_pose, sources, resumed, not_recognised, views, not_free, uncertain,
+/// bytes_per_view, source_psnr_db, source_ms_median, wall_s, peak_rss_mb`.
 nlohmann::ordered_json RunViewsRender(const ViewsRenderRequest& request);
 
 /// Returns `views, bytes_per_view`.

@@ -158,10 +158,20 @@ std::uint64_t HashFile(const fs::path& path) {
   return HashText({std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()});
 }
 
-ViewRendererFactory WarpFactory(std::shared_ptr<const Camera> camera) {
-  return [camera](const ViewSource& source, const std::vector<RangeSample>& points) {
-    return std::make_shared<DepthWarpRenderer>(
-        source.image, DensifyRanges(points, source.image.size()), camera, source.T_N_C);
+ViewRendererFactory WarpFactory(std::shared_ptr<const Camera> camera,
+                                std::shared_ptr<const DepthMaps> maps) {
+  return [camera, maps](const ViewSource& source, const std::vector<RangeSample>& points) {
+    // A depth image has edges; between tracked points there are none to be found.
+    constexpr int kFineMesh_px = 1;
+    constexpr int kCoarseMesh_px = 4;
+    return maps && maps->Has(source.stamp_ns)
+               ? std::make_shared<DepthWarpRenderer>(
+                     source.image, maps->Read(source.stamp_ns), camera, source.T_N_C, kFineMesh_px)
+               : std::make_shared<DepthWarpRenderer>(source.image,
+                                                     DensifyRanges(points, source.image.size()),
+                                                     camera,
+                                                     source.T_N_C,
+                                                     kCoarseMesh_px);
   };
 }
 

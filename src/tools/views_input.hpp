@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "depth_maps.hpp"
 #include "views_command.hpp"
 
 namespace deja_view {
@@ -39,7 +40,9 @@ ViewModel ReadModel(const std::filesystem::path& path, const PosedJob& posed);
 /// Hash of a file's bytes; throws InputError that names it.
 std::uint64_t HashFile(const std::filesystem::path& path);
 
-/// Warps each image by the VIO's points.
-ViewRendererFactory WarpFactory(std::shared_ptr<const Camera> camera);
+/// Warps each image by its depth map where `maps` has one, by the VIO's points otherwise. `maps`
+/// may be null.
+ViewRendererFactory WarpFactory(std::shared_ptr<const Camera> camera,
+                                std::shared_ptr<const DepthMaps> maps);
 
 }  // namespace deja_view

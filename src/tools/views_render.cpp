@@ -27,12 +27,14 @@ ViewContent ParseContent(const ViewsRenderRequest& request) {
 // All that decides what the views look like, but the flight.
 std::string DescribeSettings(const ViewsRenderRequest& request,
                              const ViewOptions& options,
-                             const ViewModel& model) {
-  std::string text = fmt::format("renderer: {}\ncontent: {}\ndepth: {}\n{}",
+                             const ViewModel& model,
+                             const DepthMaps* maps) {
+  std::string text = fmt::format("renderer: {}\ncontent: {}\ndepth: {}\n{}{}",
                                  request.renderer,
                                  request.content,
                                  request.depth,
-                                 model.settings);
+                                 model.settings,
+                                 maps != nullptr ? maps->Describe() : "");
   ViewOptions named = options;
   if (options.rendering.method == Upscaling::kFsrcnn) {
     text += fmt::format("network: {:016x}\n", HashFile(options.rendering.network));
@@ -44,16 +46,18 @@ std::string DescribeSettings(const ViewsRenderRequest& request,
 
 ViewRendererFactory MakeFactory(const ViewsRenderRequest& request,
                                 const ViewJob& job,
-                                const ViewModel& model) {
+                                const ViewModel& model,
+                                const std::shared_ptr<const DepthMaps>& maps) {
   if (request.renderer == "warp") {
     const std::string& points = job.topics.keyframe_point;
-    if (!job.flight->HasTopic(points)) {
+    if (maps == nullptr && !job.flight->HasTopic(points)) {
       ThrowInputError(
-          "{}: no topic '{}': expected the VIO's points, by which --renderer warp works",
+          "{}: no topic '{}': expected the VIO's points, by which --renderer warp works, or "
+          "--depth-maps",
           job.flight->path().string(),
           points);
     }
-    return WarpFactory(job.camera);
+    return WarpFactory(job.camera, maps);
   }
   return [renderer = model.renderer](const ViewSource&, const std::vector<RangeSample>&) {
     return renderer;
@@ -77,6 +81,20 @@ ViewModel ReadWantedModel(const ViewsRenderRequest& request, const PosedJob& pos
         sub_map.count);
   }
   return model;
+}
+
+// None where there are none; throws where they are of no use.
+std::shared_ptr<const DepthMaps> OpenWantedMaps(const ViewsRenderRequest& request,
+                                                const ViewJob& job) {
+  const DepthMapFiles& files = request.input.depth_maps;
+  if (!files.directory.empty() && request.renderer != "warp") {
+    ThrowInputError("--depth-maps {}: goes with --renderer warp only", files.directory.string());
+  }
+  auto maps = OpenDepthMaps(files, job.camera);
+  if (maps != nullptr) {
+    maps->CountImages(*job.flight, job.topics.image);
+  }
+  return maps;
 }
 
 // A resumed run counts only what it still has to do, so that rate and time left are right.
@@ -128,11 +146,12 @@ Json RunViewsRender(const ViewsRenderRequest& request) {
     job.options.gate.min_certain_share = std::min(0.5, job.options.gate.min_certain_share);
   }
   const ViewModel model = ReadWantedModel(request, posed);
+  const auto maps = OpenWantedMaps(request, job);
   job.sub_map = model.sub_map;
-  job.settings = DescribeSettings(request, job.options, model);
+  job.settings = DescribeSettings(request, job.options, model, maps.get());
   SourceProgress progress(request.input.show_progress);
-  const ViewReport report =
-      RenderViews(job, MakeFactory(request, job, model), [&](std::size_t done, std::size_t total) {
+  const ViewReport report = RenderViews(
+      job, MakeFactory(request, job, model, maps), [&](std::size_t done, std::size_t total) {
         progress.Update(done, total);
         interrupt.Check();
       });
@@ -140,6 +159,9 @@ Json RunViewsRender(const ViewsRenderRequest& request) {
   json["alignment"] = ToJson(posed.poses);
   if (job.sub_map.shard.count > 1) {
     json["sub_map"] = fmt::format("{}/{}", job.sub_map.shard.index, job.sub_map.shard.count);
+  }
+  if (maps != nullptr) {
+    json["depth_maps"] = maps->CountImages(*job.flight, job.topics.image);
   }
   json["images"] = report.images;
   json["without_pose"] = report.without_pose;

@@ -14,8 +14,7 @@
 namespace deja_view {
 namespace {
 
-constexpr int kMeshStep = 4;             // [px]; ranges between samples are smoother than that
-constexpr double kMaxRangeRatio = 1.25;  // across a cell of the mesh; more is an edge, and a hole
+constexpr double kMaxRangeRatio = 1.25;  // across 4 px; more is an edge, and a hole
 
 // A place of the real image as the virtual camera sees it.
 struct Vertex {
@@ -93,27 +92,29 @@ std::optional<Vertex> MakeVertex(const Camera& real_camera,
   return Vertex{*projected, pixel, p_V.norm()};
 }
 
-std::vector<int> MeshLines(int size) {
+std::vector<int> MeshLines(int size, int step) {
   std::vector<int> lines;
-  for (int i = 0; i < size - 1; i += kMeshStep) {
+  for (int i = 0; i < size - 1; i += step) {
     lines.push_back(i);
   }
   lines.push_back(size - 1);
   return lines;
 }
 
-bool IsSmooth(const std::array<const Vertex*, 3>& v) {
+bool IsSmooth(const std::array<const Vertex*, 3>& v, double max_ratio) {
   const auto [low, high] = std::minmax({v[0]->range_m, v[1]->range_m, v[2]->range_m});
-  return high <= kMaxRangeRatio * low;
+  return high <= max_ratio * low;
 }
 
-void DrawCell(const std::array<const std::optional<Vertex>*, 4>& corners, Surface* surface) {
+void DrawCell(const std::array<const std::optional<Vertex>*, 4>& corners,
+              double max_ratio,
+              Surface* surface) {
   // Corners: top left, top right, bottom left, bottom right.
   for (const auto& [a, b, c] : {std::array<std::size_t, 3>{0, 1, 2}, {1, 3, 2}}) {
     if (*corners[a] && *corners[b] && *corners[c]) {
       const std::array<const Vertex*, 3> triangle = {
           &corners[a]->value(), &corners[b]->value(), &corners[c]->value()};
-      if (IsSmooth(triangle)) {
+      if (IsSmooth(triangle, max_ratio)) {
         DrawTriangle(triangle, surface);
       }
     }
@@ -195,14 +196,51 @@ RangeMap DensifyRanges(const std::vector<RangeSample>& samples, cv::Size size) {
   return map;
 }
 
+RangeMap DensifyDepthImage(const cv::Mat& range_m) {
+  DEJA_VIEW_CHECK(range_m.type() == CV_32FC1);
+  constexpr float kSigma = 0.01F;       // of a known range
+  constexpr double kBlur_px = 3;        // about a gap
+  constexpr float kLeastKnown = 0.02F;  // share of what is about an unknown pixel: 6 px off an edge
+  const cv::Mat is_known = range_m > 0;
+  cv::Mat inverse = cv::Mat::zeros(range_m.size(), CV_32FC1);
+  cv::divide(1.0, range_m, inverse);
+  inverse.setTo(0, is_known == 0);
+  const auto blur = [&](const cv::Mat& from) {
+    cv::Mat to;
+    cv::GaussianBlur(from, to, {17, 17}, kBlur_px, kBlur_px, cv::BORDER_CONSTANT);
+    return to;
+  };
+  cv::Mat known;
+  is_known.convertTo(known, CV_32FC1, 1.0 / 255);
+  const cv::Mat weight = blur(known);
+  const cv::Mat first = blur(inverse);
+  const cv::Mat second = blur(inverse.mul(inverse));
+  RangeMap map{range_m.clone(), cv::Mat(kSigma * kSigma * range_m.mul(range_m))};
+  for (int y = 0; y < range_m.rows; ++y) {
+    for (int x = 0; x < range_m.cols; ++x) {
+      const float w = weight.at<float>(y, x);
+      if (is_known.at<std::uint8_t>(y, x) == 0 && w > kLeastKnown) {
+        const float mean = first.at<float>(y, x) / w;
+        const float spread = std::max(0.0F, second.at<float>(y, x) / w - mean * mean);
+        map.range_m.at<float>(y, x) = 1 / mean;
+        map.variance.at<float>(y, x) = (spread / (mean * mean) + kSigma * kSigma) / (mean * mean);
+      }
+    }
+  }
+  return map;
+}
+
 DepthWarpRenderer::DepthWarpRenderer(cv::Mat image,
                                      RangeMap ranges,
                                      std::shared_ptr<const Camera> camera,
-                                     const Rigid3& T_N_C)
+                                     const Rigid3& T_N_C,
+                                     int mesh_step_px)
     : image_(std::move(image)),
       ranges_(std::move(ranges)),
       camera_(std::move(camera)),
-      T_N_C_(T_N_C) {
+      T_N_C_(T_N_C),
+      mesh_step_px_(mesh_step_px) {
+  DEJA_VIEW_CHECK(mesh_step_px_ > 0);
   const cv::Size size(camera_->width(), camera_->height());
   DEJA_VIEW_CHECK(image_.type() == CV_8UC1 && image_.size() == size);
   DEJA_VIEW_CHECK(ranges_.range_m.size() == size && ranges_.variance.size() == size);
@@ -216,16 +254,17 @@ RenderedView DepthWarpRenderer::Render(const Camera& camera,
                   cv::Mat(size, CV_32FC1, cv::Scalar(-1)),
                   cv::Mat(size, CV_32FC1, cv::Scalar(-1))};
   const Rigid3 T_V_C = T_N_V.Inverse() * T_N_C_;
-  const std::vector<int> xs = MeshLines(image_.cols);
+  const std::vector<int> xs = MeshLines(image_.cols, mesh_step_px_);
+  const double max_ratio = std::pow(kMaxRangeRatio, mesh_step_px_ / 4.0);
   std::vector<std::optional<Vertex>> above;
   std::vector<std::optional<Vertex>> row;
-  for (const int y : MeshLines(image_.rows)) {
+  for (const int y : MeshLines(image_.rows, mesh_step_px_)) {
     row.clear();
     for (const int x : xs) {
       row.push_back(MakeVertex(*camera_, camera, T_V_C, ranges_.range_m, x, y));
     }
     for (std::size_t i = 0; i + 1 < xs.size() && !above.empty(); ++i) {
-      DrawCell({&above[i], &above[i + 1], &row[i], &row[i + 1]}, &surface);
+      DrawCell({&above[i], &above[i + 1], &row[i], &row[i + 1]}, max_ratio, &surface);
     }
     std::swap(above, row);
   }

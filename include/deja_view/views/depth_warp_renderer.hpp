@@ -28,16 +28,24 @@ struct RangeMap {
 /// passed over; without any the map is all unknown.
 RangeMap DensifyRanges(const std::vector<RangeSample>& samples, cv::Size size);
 
+/// The ranges of a depth image [m] (CV_32FC1, 0: unknown) as they are, of 1 % standard deviation.
+/// Gaps of up to about 12 px are filled with the means of the inverse ranges about them; their
+/// variance is that of these, so that it is large where the gap lies along an edge. Wider ones stay
+/// unknown.
+RangeMap DensifyDepthImage(const cv::Mat& range_m);
+
 /// Views near one real image without any model of the scene: the image, as a surface at its known
 /// ranges, seen from elsewhere. What the image does not show is a hole: opacity 0, depth 0, and
 /// filled with the nearest grey values. What a radiance field must beat.
 class DepthWarpRenderer final : public ViewRenderer {
  public:
-  /// `image` (CV_8UC1) and `ranges` have the camera's size.
+  /// `image` (CV_8UC1) and `ranges` have the camera's size. Between every `mesh_step_px`-th pixel
+  /// the surface is taken to be flat, unless the ranges differ too much.
   DepthWarpRenderer(cv::Mat image,
                     RangeMap ranges,
                     std::shared_ptr<const Camera> camera,
-                    const Rigid3& T_N_C);
+                    const Rigid3& T_N_C,
+                    int mesh_step_px = 4);
 
   /// The exposure applies to the real image's grey values.
   RenderedView Render(const Camera& camera,
@@ -49,6 +57,7 @@ class DepthWarpRenderer final : public ViewRenderer {
   RangeMap ranges_;
   std::shared_ptr<const Camera> camera_;
   Rigid3 T_N_C_;
+  int mesh_step_px_;
 };
 
 }  // namespace deja_view

@@ -84,6 +84,124 @@ TEST(DepthWarpRendererTest, AppliesTheExposure) {
               1.0);
 }
 
+// A smoothly painted square, 2 m away and 1 m wide, before a wall at 4 m: what each pixel shows is
+// known exactly.
+class SquareBeforeWall {
+ public:
+  struct Hit {
+    Eigen::Vector3d p_N;
+    double range = 0;
+    bool is_square = false;
+  };
+  static Hit Cast(const Rigid3& T_N_C, const Eigen::Vector2d& pixel) {
+    const Eigen::Vector3d ray = T_N_C.q * kCamera->Unproject(pixel);
+    for (const double z : {2.0, 4.0}) {
+      const double range = (z - T_N_C.t.z()) / ray.z();
+      const Eigen::Vector3d p_N = T_N_C.t + range * ray;
+      if (z == 4.0 || p_N.head<2>().cwiseAbs().maxCoeff() < 0.5) {
+        return {p_N, range, z == 2.0};
+      }
+    }
+    return {};
+  }
+  static double Grey(const Hit& hit) {
+    const double wave = std::sin(9 * hit.p_N.x()) * std::cos(7 * hit.p_N.y());
+    return (hit.is_square ? 190 : 70) + 40 * wave;
+  }
+  // With ranges as a 16-bit image in millimetres has them.
+  static DepthWarpRenderer Warp(const Rigid3& T_N_C) {
+    cv::Mat image(240, 320, CV_8UC1);
+    cv::Mat range(240, 320, CV_32FC1);
+    for (int y = 0; y < image.rows; ++y) {
+      for (int x = 0; x < image.cols; ++x) {
+        const Hit hit = Cast(T_N_C, {x, y});
+        image.at<std::uint8_t>(y, x) = cv::saturate_cast<std::uint8_t>(Grey(hit));
+        range.at<float>(y, x) = static_cast<float>(1e-3 * std::round(1e3 * hit.range));
+      }
+    }
+    return {image, DensifyDepthImage(range), kCamera, T_N_C, 1};
+  }
+};
+
+TEST(DepthWarpRendererTest, ADepthImageGivesWhatTheCameraBesideItSees) {
+  using Scene = SquareBeforeWall;
+  const Rigid3 T_N_C{ExpSo3({0.02, 0.03, 0.01}), {0.05, -0.02, 0.1}};
+  const Rigid3 T_N_V = T_N_C * Rigid3{ExpSo3({0.03, -0.06, 0.1}), {0.35, 0.2, -0.15}};
+  const RenderedView view = Scene::Warp(T_N_C).Render(*kCamera, T_N_V, {});
+  int shown = 0;
+  int wrong_grey = 0;
+  int wrong_depth = 0;
+  int hidden = 0;
+  int not_masked = 0;
+  int lost = 0;
+  for (int y = 0; y < view.image.rows; ++y) {
+    for (int x = 0; x < view.image.cols; ++x) {
+      const Scene::Hit truth = Scene::Cast(T_N_V, {x, y});
+      const auto seen_at = kCamera->Project(T_N_C.Inverse() * truth.p_N);
+      const bool is_seen = seen_at && kCamera->IsInImage(*seen_at) &&
+                           Scene::Cast(T_N_C, *seen_at).is_square == truth.is_square;
+      const bool is_shown = view.opacity.at<float>(y, x) > 0;
+      shown += is_shown ? 1 : 0;
+      hidden += is_seen ? 0 : 1;
+      lost += is_seen && !is_shown ? 1 : 0;
+      not_masked += !is_seen && is_shown ? 1 : 0;
+      if (is_seen && is_shown) {
+        const double error = std::abs(view.image.at<std::uint8_t>(y, x) - Scene::Grey(truth));
+        wrong_grey += error > 3 ? 1 : 0;
+        const auto depth = static_cast<double>(view.depth.at<float>(y, x));
+        wrong_depth += std::abs(depth - truth.range) > 0.01 ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(shown, 50000);
+  EXPECT_GT(hidden, 5000);  // beyond the image, and behind the square
+  // But along edges: the square's outline is 400 px long, the image's 1120, and interpolation of
+  // grey values reaches 2 px across.
+  EXPECT_LT(wrong_grey, 700);
+  EXPECT_LT(wrong_depth, 100);
+  EXPECT_LT(not_masked, 400);
+  EXPECT_LT(lost, 1500);
+}
+
+TEST(DepthWarpRendererTest, ADepthImagesSquareHidesTheWallWhateverTheOrder) {
+  using Scene = SquareBeforeWall;
+  for (const double side : {-0.4, 0.4}) {
+    const Rigid3 T_N_V{Eigen::Quaterniond::Identity(), {side, 0, 0}};
+    const RenderedView view = Scene::Warp({}).Render(*kCamera, T_N_V, {});
+    const auto middle = kCamera->Project(T_N_V.Inverse() * Eigen::Vector3d(0, 0, 2));
+    const cv::Point at(cvRound(middle->x()), cvRound(middle->y()));
+    EXPECT_NEAR(view.depth.at<float>(at), Scene::Cast(T_N_V, *middle).range, 0.01);
+    EXPECT_GT(view.image.at<std::uint8_t>(at), 140);
+    // What it hid is a hole, 20 px wide, on the side that the camera went to.
+    const cv::Point uncovered(at.x + (side > 0 ? 60 : -60), at.y);
+    EXPECT_EQ(view.opacity.at<float>(uncovered), 0.0F);
+  }
+}
+
+TEST(DensifyDepthImageTest, KeepsWhatIsKnownAndFillsSmallGaps) {
+  cv::Mat range(100, 120, CV_32FC1, cv::Scalar(3));
+  range(cv::Rect(20, 20, 6, 6)).setTo(0);
+  range(cv::Rect(60, 40, 40, 40)).setTo(0);
+  const RangeMap map = DensifyDepthImage(range);
+  EXPECT_EQ(map.range_m.at<float>(10, 10), 3.0F);
+  EXPECT_NEAR(map.variance.at<float>(10, 10), 9e-4, 1e-6);
+  EXPECT_NEAR(map.range_m.at<float>(23, 23), 3, 1e-4);
+  EXPECT_NEAR(map.variance.at<float>(23, 23), 9e-4, 1e-4);
+  EXPECT_EQ(map.range_m.at<float>(60, 80), 0.0F);  // too wide
+  EXPECT_EQ(cv::countNonZero(DensifyDepthImage(cv::Mat::zeros(20, 20, CV_32FC1)).range_m), 0);
+}
+
+TEST(DensifyDepthImageTest, IsUnsureOfAGapAlongAnEdge) {
+  cv::Mat range(100, 120, CV_32FC1, cv::Scalar(4));
+  range.colRange(0, 60).setTo(2);
+  range.colRange(57, 63).setTo(0);
+  const RangeMap map = DensifyDepthImage(range);
+  const float between = map.range_m.at<float>(50, 60);
+  EXPECT_GT(between, 2.2F);
+  EXPECT_LT(between, 3.8F);
+  EXPECT_GT(std::sqrt(map.variance.at<float>(50, 60)), 0.3F * between);
+}
+
 TEST(DensifyRangesTest, InterpolatesBetweenSamples) {
   std::vector<RangeSample> samples;
   const auto wall = [](double x) { return 2 + x / 160; };

@@ -56,6 +56,14 @@ std::vector<PosedImage> ReadSevenScenes(const std::filesystem::path& directory,
                                         bool skip_missing = false,
                                         std::shared_ptr<const Camera> color_camera = nullptr);
 
+/// The depth maps of a folder, for images that `camera` took: 16-bit files named by the images'
+/// stamps (ListStampedImages), of this camera, or a folder of 7-Scenes with its depth camera.
+/// Images have a stamp, the camera and a depth map, nothing else.
+std::vector<PosedImage> ListDepthMaps(const std::filesystem::path& directory,
+                                      std::shared_ptr<const Camera> camera,
+                                      double unit_m,
+                                      bool is_along_ray);
+
 /// A keyframe of a VIO: what it tracked and where it believes to have been.
 struct VioKeyframe {
   std::int64_t stamp_ns = 0;

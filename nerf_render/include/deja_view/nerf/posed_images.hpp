@@ -15,10 +15,11 @@
 
 namespace deja_view::nerf {
 
-/// A 16-bit image of distances along the optical axis; 0 and 65535: unknown.
+/// A 16-bit image of distances; 0 and 65535: unknown.
 struct DepthMapFile {
   std::filesystem::path path;            ///< empty: there is none
   double unit_m = 1e-3;                  ///< [m]
+  bool is_along_ray = false;             ///< of the pixel, otherwise along the optical axis
   std::shared_ptr<const Camera> camera;  ///< at the image camera's pose; null: the image's own
 };
 
@@ -62,6 +63,9 @@ const std::shared_ptr<const Camera>& DepthCamera(const PosedImage& image);
 /// the unit ray, 0 where it is unknown. Throws InputError that names a file that is no 16-bit image
 /// of that size.
 cv::Mat ReadDepthMap(const PosedImage& image);
+
+/// The same for the image's own pixels, wherever another camera's pixel sees nearest to them.
+cv::Mat ReadImageDepth(const PosedImage& image);
 
 /// Leaves out points that lie outside the box of the middle 98 % of all on each axis of N, widened
 /// by a tenth: strays of a triangulation, which would blow up the scene's box.
