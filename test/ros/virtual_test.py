@@ -27,7 +27,7 @@ class VirtualTest(unittest.TestCase):
 
     @classmethod
     def edit(cls, topic, message):
-        """Every tenth view comes twice; the fifth one again with a broken image, and as nobody's."""
+        """Every tenth view comes twice; the fifth one again with a depth too few, and as nobody's."""
         if topic != VIRTUAL:
             return [(topic, message)]
         cls.views += 1
@@ -36,7 +36,7 @@ class VirtualTest(unittest.TestCase):
             messages.append((topic, message))
         if cls.views == 5:
             broken = copy.deepcopy(message)
-            broken.image = broken.image[:100]
+            broken.depth = broken.depth[:-1]
             unknown = copy.deepcopy(message)
             unknown.header.stamp -= rospy.Duration(1000.0)
             messages += [(topic, broken), (topic, unknown)]
@@ -59,7 +59,7 @@ class VirtualTest(unittest.TestCase):
         self.assertGreater(self.views, 50)
         self.assertEqual(count("received"), sent)
         self.assertEqual(count("waiting for their keyframe"), 1)
-        self.assertEqual(values["keyframes refused"], "1", "the broken image")
+        self.assertEqual(values["keyframes refused"], "1", "the one with a depth too few")
         self.assertGreater(count("kept"), 10)
         fates = ["duplicate", "refused", "no_keyframe", "no_place", "uncertain", "disagrees", "surpassed"]
         dropped = sum(count(f"dropped: {fate}") for fate in fates)
