@@ -111,6 +111,7 @@ class LoopCloser::Impl {
                              Verification* verification) const;
   /// A loop that passed its gates: true when it is consistent with the others and in the graph now.
   bool TakeVerified(LoopReport loop, const Verification& verification, KeyframeReport* report);
+  bool IsWithinReach(int old) const;
   void FindLoops(KeyframeReport* report);
   void Believe(const std::vector<LoopConsistency::Entry>& entries, KeyframeReport* report);
   Relocalisation MakeRelocalisation(const LoopReport& loop, const Verification& verification) const;

@@ -6,6 +6,11 @@
 #include "stopwatch.hpp"
 
 namespace deja_view {
+namespace {
+
+constexpr double kDegree = 3.14159265358979323846 / 180.0;
+
+}  // namespace
 
 LoopReport LoopCloser::Impl::VerifyCandidate(const Candidate& candidate,
                                              bool with_views,
@@ -93,6 +98,21 @@ bool LoopCloser::Impl::TakeVerified(LoopReport loop,
   return is_believed;
 }
 
+// Where the flight knows its place in the map, a candidate that lies beyond what verification lets
+// pass is not worth a rig.
+bool LoopCloser::Impl::IsWithinReach(int old) const {
+  if (!IsLocalised() || !graph.AreJoined(keyframes[static_cast<std::size_t>(old)].sequence,
+                                         keyframes.back().sequence)) {
+    return true;
+  }
+  constexpr double kMarginM = 1.0;
+  constexpr double kMarginDeg = 10.0;
+  const Rigid3 T_old_current =
+      graph.nodes()[static_cast<std::size_t>(old)].T_M_B().Inverse() * graph.nodes().back().T_M_B();
+  return T_old_current.t.norm() < options.verification.max_distance_m + kMarginM &&
+         RotationAngle(T_old_current.q) < kDegree * (options.verification.max_yaw_deg + kMarginDeg);
+}
+
 // The real images of all candidates first: a rig costs several times as much, and is of use only
 // where they don't do.
 void LoopCloser::Impl::FindLoops(KeyframeReport* report) {
@@ -114,9 +134,11 @@ void LoopCloser::Impl::FindLoops(KeyframeReport* report) {
     }
   }
   for (auto& [candidate, loop] : failed) {
-    const bool has_views = !keyframes[static_cast<std::size_t>(candidate.keyframe)].views.empty();
+    const bool is_worth_it =
+        !keyframes[static_cast<std::size_t>(candidate.keyframe)].views.empty() &&
+        IsWithinReach(candidate.keyframe);
     Verification verification;
-    if (has_views && found < options.candidates.max_loops && rigs < options.views.max_tried) {
+    if (is_worth_it && found < options.candidates.max_loops && rigs < options.views.max_tried) {
       ++rigs;
       loop = VerifyCandidate(candidate, true, &verification);
     }
