@@ -341,5 +341,29 @@ TEST(VirtualViews, NoMoreAreTriedThanAllowed) {
   EXPECT_EQ(loops_with(2), 2);
 }
 
+TEST(VirtualViews, NoneAreTriedOutOfReach) {
+  const sim::RecordedFlight& flight = SmallFlight(1);
+  for (const double jump_m : {0.0, 20.0}) {
+    LoopCloserOptions options = OnlyViewsOptions();
+    options.max_speed_mps = 1e6;  // no new sequence
+    LoopCloser closer(options, flight.camera, flight.T_B_C, FlightVocabulary());
+    closer.AddKeyframe(flight.keyframes[0]);
+    closer.AddVirtualView(View(0, 0));
+    closer.AddVirtualView(View(0, 1));
+    closer.AddKeyframe(flight.keyframes[1]);
+    ASSERT_EQ(closer.AddKeyframe(flight.keyframes[2]).reason, RejectReason::kNone) << "localised";
+    KeyframeInput jumped = flight.keyframes[3];
+    jumped.T_W_B.t.x() += jump_m;
+    for (TrackedPoint& point : jumped.points) {
+      point.p_W.x() += jump_m;
+    }
+    const KeyframeReport report = closer.AddKeyframe(jumped);
+    const bool was_tried = std::any_of(report.loops.begin(),
+                                       report.loops.end(),
+                                       [](const LoopReport& loop) { return loop.is_virtual; });
+    EXPECT_EQ(was_tried, jump_m == 0) << jump_m << " m";
+  }
+}
+
 }  // namespace
 }  // namespace deja_view
