@@ -2,13 +2,13 @@
 
 #include "deja_view/base/check.hpp"
 #include "deja_view/features/hamming_matcher.hpp"
+#include "deja_view/features/keypoint_grid.hpp"
 
 #include <algorithm>
 #include <bitset>
 #include <cmath>
 #include <utility>
 
-#include "keypoint_grid.hpp"
 #include <Eigen/Eigenvalues>
 
 namespace deja_view {

@@ -1,4 +1,4 @@
-#include "keypoint_grid.hpp"
+#include "deja_view/features/keypoint_grid.hpp"
 
 #include <algorithm>
 #include <random>
