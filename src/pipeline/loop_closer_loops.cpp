@@ -77,16 +77,17 @@ bool LoopCloser::Impl::TakeVerified(LoopReport loop,
   edge.T_from_to = loop.T_Bold_Bcurrent;
   edge.covariance = loop.covariance;
   reports.push_back(loop);
-  const auto believed = consistency.Add(edge, static_cast<int>(reports.size()) - 1, graph);
-  const bool is_believed = consistency.last_state() == LoopConsistency::State::kAccepted;
+  const LoopConsistency::Decision decision =
+      consistency.Add(edge, static_cast<int>(reports.size()) - 1, graph);
+  const bool is_believed = decision.state == LoopConsistency::State::kAccepted;
   if (!is_believed) {
-    loop.reason = consistency.last_state() == LoopConsistency::State::kImplausible
+    loop.reason = decision.state == LoopConsistency::State::kImplausible
                       ? RejectReason::kImplausible
                       : RejectReason::kInconsistent;
     report->loops.push_back(loop);
   }
   report->reason = loop.reason;
-  Believe(believed, report);
+  Believe(decision.believed, report);
   if (is_believed) {
     report->matches.push_back(MakeMatches(loop, verification));
   }

@@ -213,13 +213,9 @@ std::vector<std::size_t> LoopConsistency::AgreeingAmongThemselves(
   return agreeing;
 }
 
-std::vector<LoopConsistency::Entry> LoopConsistency::Add(const PoseGraphLoop& loop,
-                                                         int tag,
-                                                         const PoseGraph& graph) {
-  entries_.push_back({loop, tag, State::kPending});
-  if (!graph.AreJoined(Node(graph, loop.from).sequence, Node(graph, loop.to).sequence)) {
-    return Join(graph);
-  }
+// Within one world: the newest loop, and those waiting that it can have helped.
+std::vector<LoopConsistency::Entry> LoopConsistency::Judge(const PoseGraphLoop& loop,
+                                                           const PoseGraph& graph) {
   std::vector<Entry> believed;
   const std::size_t begin =
       entries_.size() -
@@ -250,6 +246,18 @@ std::vector<LoopConsistency::Entry> LoopConsistency::Add(const PoseGraphLoop& lo
     }
   }
   return believed;
+}
+
+LoopConsistency::Decision LoopConsistency::Add(const PoseGraphLoop& loop,
+                                               int tag,
+                                               const PoseGraph& graph) {
+  entries_.push_back({loop, tag, State::kPending});
+  const bool are_joined =
+      graph.AreJoined(Node(graph, loop.from).sequence, Node(graph, loop.to).sequence);
+  Decision decision;
+  decision.believed = are_joined ? Judge(loop, graph) : Join(graph);
+  decision.state = entries_.back().state;
+  return decision;
 }
 
 }  // namespace deja_view

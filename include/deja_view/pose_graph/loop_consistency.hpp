@@ -62,14 +62,18 @@ class LoopConsistency {
     State state = State::kPending;
   };
 
+  /// What one more loop led to.
+  struct Decision {
+    State state = State::kPending;  ///< of the new loop
+    /// Entries that are believed from now on, the new one last when it is among them.
+    std::vector<Entry> believed;
+  };
+
   explicit LoopConsistency(const LoopConsistencyOptions& options) : options_(options) {}
 
-  /// Adds a verified loop and returns all entries that are believed from now on, the new one last
-  /// when it is among them; `graph` holds both nodes and not yet the loop.
-  std::vector<Entry> Add(const PoseGraphLoop& loop, int tag, const PoseGraph& graph);
-
-  /// State of the newest entry.
-  State last_state() const { return entries_.back().state; }
+  /// Adds a verified loop and decides on it and on those that waited; `graph` holds both nodes and
+  /// not yet the loop.
+  Decision Add(const PoseGraphLoop& loop, int tag, const PoseGraph& graph);
 
   /// True when the loops' cycle closes; false when it does not; `is_comparable` is false when the
   /// odometry between them is too long, or missing, to tell.
@@ -88,6 +92,7 @@ class LoopConsistency {
   };
   Evidence Gather(const Entry& entry, const PoseGraph& graph) const;
   std::vector<Entry> Join(const PoseGraph& graph);
+  std::vector<Entry> Judge(const PoseGraphLoop& loop, const PoseGraph& graph);
   /// Those of `entries` that most of the others do not contradict.
   std::vector<std::size_t> AgreeingAmongThemselves(const std::vector<std::size_t>& entries,
                                                    const PoseGraph& graph) const;

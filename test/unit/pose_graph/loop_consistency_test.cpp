@@ -52,7 +52,7 @@ std::vector<int> AddTrueLoops(const std::vector<int>& from,
                               PoseGraph* graph) {
   std::vector<int> tags;
   for (const int i : from) {
-    for (const auto& entry : consistency->Add(TrueLoop(i, i + kPerRound), i, *graph)) {
+    for (const auto& entry : consistency->Add(TrueLoop(i, i + kPerRound), i, *graph).believed) {
       EXPECT_EQ(entry.state, State::kAccepted);
       graph->AddLoop(entry.loop);
       tags.push_back(entry.tag);
@@ -64,8 +64,9 @@ std::vector<int> AddTrueLoops(const std::vector<int>& from,
 TEST(LoopConsistency, ASingleLoopWaits) {
   PoseGraph graph = MakeGraph();
   LoopConsistency consistency({});
-  EXPECT_TRUE(AddTrueLoops({3}, &consistency, &graph).empty());
-  EXPECT_EQ(consistency.last_state(), State::kPending);
+  const auto decision = consistency.Add(TrueLoop(3, 3 + kPerRound), 3, graph);
+  EXPECT_TRUE(decision.believed.empty());
+  EXPECT_EQ(decision.state, State::kPending);
 }
 
 TEST(LoopConsistency, AgreeingLoopsAreAcceptedWithThoseThatWaited) {
@@ -73,7 +74,6 @@ TEST(LoopConsistency, AgreeingLoopsAreAcceptedWithThoseThatWaited) {
   LoopConsistency consistency({});
   EXPECT_TRUE(AddTrueLoops({3, 5}, &consistency, &graph).empty());
   EXPECT_EQ(AddTrueLoops({7}, &consistency, &graph), std::vector<int>({3, 5, 7}));
-  EXPECT_EQ(consistency.last_state(), State::kAccepted);
   EXPECT_EQ(AddTrueLoops({9}, &consistency, &graph), std::vector<int>({9}));
 }
 
@@ -93,8 +93,9 @@ TEST(LoopConsistency, RefusesLoopsThatContradictAcceptedOnes) {
   ASSERT_EQ(AddTrueLoops({3, 5, 7, 9}, &consistency, &graph).size(), 4U);
   const Rigid3 error{Eigen::Quaterniond::Identity(), {1.5, 0.4, 0}};
   for (const int i : {4, 6, 8, 10}) {
-    EXPECT_TRUE(consistency.Add(WrongLoop(i, i + kPerRound, error), 100 + i, graph).empty());
-    EXPECT_EQ(consistency.last_state(), State::kPending);
+    const auto decision = consistency.Add(WrongLoop(i, i + kPerRound, error), 100 + i, graph);
+    EXPECT_TRUE(decision.believed.empty());
+    EXPECT_EQ(decision.state, State::kPending);
   }
   EXPECT_EQ(AddTrueLoops({11}, &consistency, &graph), std::vector<int>({11}));
 }
@@ -103,7 +104,7 @@ TEST(LoopConsistency, ALoopThatFitsNothingIsRefusedAndHoldsUpNothing) {
   PoseGraph graph = MakeGraph();
   LoopConsistency consistency({});
   const Rigid3 error{Eigen::Quaterniond::Identity(), {0, 0.5, 0}};
-  EXPECT_TRUE(consistency.Add(WrongLoop(2, 2 + kPerRound, error), 100, graph).empty());
+  EXPECT_TRUE(consistency.Add(WrongLoop(2, 2 + kPerRound, error), 100, graph).believed.empty());
   EXPECT_EQ(AddTrueLoops({3, 5, 7}, &consistency, &graph), std::vector<int>({3, 5, 7}));
 }
 
@@ -114,10 +115,11 @@ State StateAfterLoops(const Rigid3& jump, int count) {
   options.override_support = 5;
   options.min_span_m = 1.0;
   LoopConsistency consistency(options);
+  State state = State::kPending;
   for (int i = 0; i < count; ++i) {
-    consistency.Add(TrueLoop(i, i + kPerRound), i, graph);
+    state = consistency.Add(TrueLoop(i, i + kPerRound), i, graph).state;
   }
-  return consistency.last_state();
+  return state;
 }
 
 TEST(LoopConsistency, ImplausibleDriftNeedsVeryManyLoops) {
@@ -178,7 +180,8 @@ TEST(LoopConsistency, LoopsThatJoinMustHaveFewRivals) {
     options.min_span_m = 2.0;
     LoopConsistency consistency(options);
     for (int i = 0; i < rivals; ++i) {
-      EXPECT_TRUE(consistency.Add(WrongLoop(i, i + kPerRound, shift), 100 + i, graph).empty());
+      EXPECT_TRUE(
+          consistency.Add(WrongLoop(i, i + kPerRound, shift), 100 + i, graph).believed.empty());
     }
     // The seventh of these has six that agree.
     EXPECT_EQ(AddTrueLoops({4, 5, 7, 9, 11, 13, 15}, &consistency, &graph).empty(), rivals > 3);
@@ -193,12 +196,12 @@ TEST(LoopConsistency, LoopsThatJoinMustAgreeAmongThemselves) {
     options.min_span_m = 3.2;  // the uncertain loop reaches it
     LoopConsistency consistency(options);
     const Rigid3 error{Eigen::Quaterniond::Identity(), {is_wrong ? 0.6 : 0.0, 0, 0}};
-    EXPECT_TRUE(consistency.Add(WrongLoop(3, 3 + kPerRound, error), 100, graph).empty());
+    EXPECT_TRUE(consistency.Add(WrongLoop(3, 3 + kPerRound, error), 100, graph).believed.empty());
     EXPECT_TRUE(AddTrueLoops({4, 5, 7, 9, 11, 13}, &consistency, &graph).empty());
     PoseGraphLoop uncertain = TrueLoop(15, 15 + kPerRound);
     uncertain.covariance *= 1e4;
     std::vector<int> tags;
-    for (const auto& entry : consistency.Add(uncertain, 200, graph)) {
+    for (const auto& entry : consistency.Add(uncertain, 200, graph).believed) {
       tags.push_back(entry.tag);
     }
     const std::vector<int> right = {4, 5, 7, 9, 11, 13, 200};
@@ -224,9 +227,9 @@ TEST(LoopConsistency, LoopsOfOneKeyframeDoNotSupportEachOther) {
   PoseGraph graph = MakeGraph();
   LoopConsistency consistency({});
   for (const int from : {3, 4, 5, 6}) {
-    EXPECT_TRUE(consistency.Add(TrueLoop(from, 45), from, graph).empty());
+    EXPECT_TRUE(consistency.Add(TrueLoop(from, 45), from, graph).believed.empty());
   }
-  EXPECT_EQ(consistency.Add(TrueLoop(5, 46), 10, graph).size(), 1U);
+  EXPECT_EQ(consistency.Add(TrueLoop(5, 46), 10, graph).believed.size(), 1U);
 }
 
 TEST(LoopConsistency, ComparesOnlyOverShortOdometryOfTheSameSequences) {
