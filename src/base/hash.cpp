@@ -1,0 +1,42 @@
+#include "deja_view/base/hash.hpp"
+
+#include "deja_view/base/check.hpp"
+
+#include <xxhash.h>
+
+namespace deja_view {
+
+std::uint64_t Hash64(const void* data, std::size_t size) {
+  return XXH64(data, size, 0);
+}
+
+std::uint64_t Hash64(std::string_view text) {
+  return Hash64(text.data(), text.size());
+}
+
+struct Hasher64::State {
+  struct Free {
+    void operator()(XXH64_state_t* state) const { XXH64_freeState(state); }
+  };
+  std::unique_ptr<XXH64_state_t, Free> xxh{XXH64_createState()};
+};
+
+Hasher64::Hasher64() : state_(std::make_unique<State>()) {
+  DEJA_VIEW_CHECK(state_->xxh != nullptr && XXH64_reset(state_->xxh.get(), 0) == XXH_OK);
+}
+
+Hasher64::~Hasher64() = default;
+Hasher64::Hasher64(Hasher64&&) noexcept = default;
+Hasher64& Hasher64::operator=(Hasher64&&) noexcept = default;
+
+void Hasher64::Add(const void* data, std::size_t size) {
+  if (size > 0) {
+    DEJA_VIEW_CHECK(XXH64_update(state_->xxh.get(), data, size) == XXH_OK);
+  }
+}
+
+std::uint64_t Hasher64::value() const {
+  return XXH64_digest(state_->xxh.get());
+}
+
+}  // namespace deja_view
