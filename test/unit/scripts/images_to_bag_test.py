@@ -216,6 +216,35 @@ class ImagesToBagTest(unittest.TestCase):
         self.assertGreater(len(points), 20)
         self.assertLess(np.abs(points[:, 0] - WALL_M).max(), 0.02)
 
+    def film_sparse_stereo(self):
+        """Two images 1.15 s apart, and what a second camera 0.2 m to the right sees; arguments for it."""
+        self.film_all()
+        right = self.path("right")
+        os.mkdir(right)
+        T_B_C2 = T_B_C.copy()
+        T_B_C2[1, 3] -= 0.2
+        for i, name in enumerate(sorted(os.listdir(self.images))):
+            if i in (0, FRAMES - 1):
+                cv2.imwrite(os.path.join(right, name), film(body_pose(i) @ T_B_C2, texture()))
+            else:
+                os.remove(os.path.join(self.images, name))
+        self.write("right.yaml", CAMERA.replace("[0.1, 0.02, -0.03]", "[0.1, -0.18, -0.03]"))
+        return "--stereo", right, self.path("right.yaml")
+
+    def test_a_second_camera_gives_points_to_images_far_apart(self):
+        stereo = self.film_sparse_stereo()
+        self.assertEqual(self.run_script(*stereo)[0], 0)
+        for T_W_B, points, pixels in self.keyframes():
+            self.assertGreater(len(points), 20)
+            self.assertLess(np.median(np.abs(points[:, 0] - WALL_M)), 0.05)
+            self.assertLess(np.median(self.reprojection_error(T_W_B, points, pixels)), 0.5)
+
+    def test_keyframes_without_points_are_told(self):
+        self.film_sparse_stereo()
+        status, out, err = self.run_script("--json", "-")
+        self.assertEqual((status, json.loads(out)["keyframes_without_points"]), (0, 2))
+        self.assertIn("warning: 2 of 2 keyframes have no points", err)
+
     def test_missing_poses_are_an_error_or_left_out(self):
         self.film_all()
         with open(self.path("poses.txt"), encoding="ascii") as file:
