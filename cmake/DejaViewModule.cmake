@@ -1,7 +1,7 @@
 # deja_view_module(NAME SOURCES file... [MODULES module...] [LINK library...] [PRIVATE_LINK library...])
 #
-# One static library per module, deja_view_NAME, so that the linker holds the dependency order of
-# the modules: a module sees only what it names. MODULES are our own; LINK shows in our headers.
+# One static library per module, deja_view_NAME. MODULES are our own; LINK shows in our headers. Of our headers a module
+# may include only those of the modules that it names: scripts/check_arrows compares.
 function(deja_view_module name)
   cmake_parse_arguments(ARG "" "" "SOURCES;MODULES;LINK;PRIVATE_LINK" ${ARGN})
   set(target deja_view_${name})
@@ -20,14 +20,19 @@ endfunction()
 
 # deja_view_unit_test(MODULE SOURCES file... [MODULES module...] [LINK library...])
 #
-# One test program per module, MODULE_test, from test/unit/MODULE/*_test.cpp.
+# One test program per module, MODULE_test, from *_test.cpp in the folder below test/unit that has the module's place
+# below src (nerf_render's tests are in test/unit/nerf).
 function(deja_view_unit_test module)
   if(NOT DEJA_VIEW_TESTS)
     return()
   endif()
   cmake_parse_arguments(ARG "" "" "SOURCES;MODULES;LINK" ${ARGN})
   set(target ${module}_test)
-  list(TRANSFORM ARG_SOURCES PREPEND ${PROJECT_SOURCE_DIR}/test/unit/${module}/)
+  file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR}/src ${CMAKE_CURRENT_SOURCE_DIR})
+  if(folder MATCHES "^\\.\\.")
+    set(folder ${module})
+  endif()
+  list(TRANSFORM ARG_SOURCES PREPEND ${PROJECT_SOURCE_DIR}/test/unit/${folder}/)
   add_executable(${target} ${ARG_SOURCES})
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/test/support)
   foreach(dependency IN LISTS ARG_MODULES)

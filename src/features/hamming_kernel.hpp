@@ -1,6 +1,6 @@
 #pragma once
 
-#include "deja_view/features/hamming_matcher.hpp"
+#include "deja_view/features/hamming_match.hpp"
 
 #include <cstddef>
 

@@ -1,4 +1,4 @@
-#include "deja_view/ros/loop_fusion_node.hpp"
+#include "deja_view/ros/nodes/loop_fusion_node.hpp"
 
 #include <atomic>
 #include <csignal>

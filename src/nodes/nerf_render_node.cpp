@@ -1,4 +1,4 @@
-#include "deja_view/ros/nerf_render_node.hpp"
+#include "deja_view/ros/nodes/nerf_render_node.hpp"
 
 #include <atomic>
 #include <csignal>

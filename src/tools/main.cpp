@@ -1,7 +1,7 @@
 #include <exception>
 #include <iostream>
 
-#include "commands.hpp"
+#include "common/commands.hpp"
 
 int main(int argc, char** argv) {
   CLI::App app{

@@ -1,8 +1,8 @@
 // A 752 x 480 view of the default hall: radiance at 4 rays per pixel, ranges, and one step of the
 // tracker.
-#include "deja_view/sim/image_sensor.hpp"
-#include "deja_view/sim/simulator.hpp"
-#include "deja_view/sim/vio_front_end.hpp"
+#include "deja_view/lab/sim/image_sensor.hpp"
+#include "deja_view/lab/sim/simulator.hpp"
+#include "deja_view/lab/sim/vio_front_end.hpp"
 
 #include <benchmark/benchmark.h>
 

@@ -3,8 +3,8 @@
 // messages from a fixed seed.
 
 #include "deja_view/base/check.hpp"
-#include "deja_view/ros/conversions.hpp"
-#include "deja_view/ros/keyframe_assembler.hpp"
+#include "deja_view/host/keyframe_assembler.hpp"
+#include "deja_view/ros/messages/conversions.hpp"
 
 #include <algorithm>
 #include <cstddef>

@@ -1,7 +1,7 @@
 #include "deja_view/pipeline/loop_closer.hpp"
 
 #include "deja_view/base/check.hpp"
-#include "deja_view/evaluation/ape.hpp"
+#include "deja_view/lab/evaluation/ape.hpp"
 
 #include <atomic>
 #include <cmath>

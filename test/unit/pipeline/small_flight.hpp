@@ -1,7 +1,7 @@
 #pragma once
 
+#include "deja_view/lab/sim/simulator.hpp"
 #include "deja_view/pipeline/loop_closer.hpp"
-#include "deja_view/sim/simulator.hpp"
 
 #include <memory>
 #include <utility>

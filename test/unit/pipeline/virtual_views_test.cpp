@@ -1,8 +1,8 @@
 #include "deja_view/base/check.hpp"
 #include "deja_view/features/make_feature_extractor.hpp"
+#include "deja_view/lab/sim/exact_views.hpp"
 #include "deja_view/pipeline/loop_closer.hpp"
 #include "deja_view/pipeline/virtual_features.hpp"
-#include "deja_view/sim/exact_views.hpp"
 
 #include <algorithm>
 #include <cmath>

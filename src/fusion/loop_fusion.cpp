@@ -1,0 +1,245 @@
+#include "deja_view/fusion/loop_fusion.hpp"
+
+#include "deja_view/base/check.hpp"
+
+#include <algorithm>
+#include <exception>
+
+namespace deja_view {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+}  // namespace
+
+LoopFusion::LoopFusion(const LoopFusionOptions& options,
+                       LoopCloser closer,
+                       LoopFusionCallbacks callbacks)
+    : options_(options.node),
+      callbacks_(std::move(callbacks)),
+      assembler_(
+          options.assembler,
+          [this](AssembledKeyframe keyframe) { Enqueue(std::move(keyframe)); },
+          [this](DropReason reason, std::int64_t stamp_ns) {
+            Tell(fmt::format("message of stamp {} ns: {}", stamp_ns, ToString(reason)));
+          }),
+      closer_(std::move(closer)),
+      T_M_W_(closer_.drift()) {
+  if (const auto violations = options_.Validate(); !violations.empty()) {
+    ThrowInputError("{}", fmt::join(violations, "; "));
+  }
+}
+
+LoopFusion::~LoopFusion() {
+  Stop(std::chrono::seconds(0));
+}
+
+void LoopFusion::Start() {
+  DEJA_VIEW_CHECK(!worker_.joinable());
+  {
+    const std::lock_guard<std::mutex> lock(queue_mutex_);
+    is_stopping_ = false;
+  }
+  worker_ = std::thread([this] { Work(); });
+}
+
+int LoopFusion::Stop(std::chrono::duration<double> drain) {
+  if (!worker_.joinable()) {
+    return 0;
+  }
+  {
+    const std::lock_guard<std::mutex> lock(assembler_mutex_);
+    assembler_.Flush();
+  }
+  {
+    const std::lock_guard<std::mutex> lock(queue_mutex_);
+    is_stopping_ = true;
+    deadline_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(drain);
+  }
+  queue_changed_.notify_all();
+  worker_.join();
+  const std::lock_guard<std::mutex> lock(queue_mutex_);
+  const auto left = std::count_if(queue_.begin(), queue_.end(), [](const Task& task) {
+    return std::holds_alternative<AssembledKeyframe>(task);
+  });
+  queue_.clear();
+  return static_cast<int>(left);
+}
+
+void LoopFusion::AddImage(std::int64_t stamp_ns, ImageSource image) {
+  const std::lock_guard<std::mutex> lock(assembler_mutex_);
+  assembler_.AddImage(stamp_ns, std::move(image));
+}
+
+void LoopFusion::AddPose(std::int64_t stamp_ns, const Rigid3& T_W_B) {
+  const std::lock_guard<std::mutex> lock(assembler_mutex_);
+  assembler_.AddPose(stamp_ns, T_W_B);
+}
+
+void LoopFusion::AddPoints(std::int64_t stamp_ns, std::vector<TrackedPoint> points) {
+  const std::lock_guard<std::mutex> lock(assembler_mutex_);
+  assembler_.AddPoints(stamp_ns, std::move(points));
+}
+
+void LoopFusion::AddExtrinsic(std::int64_t stamp_ns, const Rigid3& T_B_C) {
+  const std::lock_guard<std::mutex> lock(assembler_mutex_);
+  assembler_.AddExtrinsic(stamp_ns, T_B_C);
+}
+
+void LoopFusion::AddVirtualView(VirtualViewSource view) {
+  Enqueue(std::move(view));
+}
+
+void LoopFusion::AddRelativePose(const RelativePoseUpdate& update) {
+  Enqueue(update);
+}
+
+Rigid3 LoopFusion::drift() const {
+  const std::lock_guard<std::mutex> lock(statistics_mutex_);
+  return T_M_W_;
+}
+
+LoopFusionStatistics LoopFusion::statistics() const {
+  LoopFusionStatistics statistics;
+  {
+    const std::lock_guard<std::mutex> lock(statistics_mutex_);
+    statistics = statistics_;
+  }
+  {
+    const std::lock_guard<std::mutex> lock(assembler_mutex_);
+    statistics.assembler = assembler_.counts();
+  }
+  const std::lock_guard<std::mutex> lock(queue_mutex_);
+  statistics.queue_length = static_cast<int>(queue_.size());
+  return statistics;
+}
+
+std::future<void> LoopFusion::RunBeside(std::function<void()> solve) {
+  return std::async(std::launch::async, std::move(solve));
+}
+
+void LoopFusion::Enqueue(Task task) {
+  bool overflows = false;
+  std::size_t length = 0;
+  const bool is_view = std::holds_alternative<VirtualViewSource>(task);
+  {
+    const std::lock_guard<std::mutex> lock(queue_mutex_);
+    overflows = MakeRoom(task);
+    queue_.push_back(std::move(task));
+    length = queue_.size();
+  }
+  queue_changed_.notify_one();
+  {
+    const std::lock_guard<std::mutex> lock(statistics_mutex_);
+    (is_view ? statistics_.view_overflows : statistics_.queue_overflows) += overflows ? 1 : 0;
+    statistics_.queue_peak = std::max(statistics_.queue_peak, static_cast<int>(length));
+  }
+  if (overflows) {
+    Tell(fmt::format("the queue of {} {} is full: the oldest one was dropped",
+                     is_view ? options_.virtual_queue_size : options_.queue_size,
+                     is_view ? "virtual views" : "keyframes"));
+  }
+}
+
+// Views never push keyframes out, nor the other way round.
+bool LoopFusion::MakeRoom(const Task& task) {
+  const bool is_view = std::holds_alternative<VirtualViewSource>(task);
+  const auto is_alike = [is_view](const Task& other) {
+    return std::holds_alternative<VirtualViewSource>(other) == is_view;
+  };
+  const int limit = is_view ? options_.virtual_queue_size : options_.queue_size;
+  if (std::count_if(queue_.begin(), queue_.end(), is_alike) < limit) {
+    return false;
+  }
+  queue_.erase(std::find_if(queue_.begin(), queue_.end(), is_alike));
+  return true;
+}
+
+std::optional<LoopFusion::Task> LoopFusion::NextTask() {
+  std::unique_lock<std::mutex> lock(queue_mutex_);
+  queue_changed_.wait(lock, [this] { return is_stopping_ || !queue_.empty(); });
+  if (queue_.empty() || (is_stopping_ && Clock::now() >= deadline_)) {
+    return std::nullopt;
+  }
+  Task task = std::move(queue_.front());
+  queue_.pop_front();
+  return task;
+}
+
+void LoopFusion::Work() {
+  while (const std::optional<Task> task = NextTask()) {
+    try {
+      std::visit([this](const auto& content) { Process(content); }, *task);
+    } catch (const std::exception& e) {
+      {
+        const std::lock_guard<std::mutex> lock(statistics_mutex_);
+        ++statistics_.refused;
+      }
+      Tell(e.what());
+    }
+  }
+}
+
+void LoopFusion::Process(const AssembledKeyframe& keyframe) {
+  const KeyframeInput input = keyframe.ToInput();
+  const std::lock_guard<std::mutex> lock(closer_mutex_);
+  const auto& T_B_C = keyframe.T_B_C;
+  if (T_B_C && (!T_B_C_ || T_B_C_->t != T_B_C->t || T_B_C_->q.coeffs() != T_B_C->q.coeffs())) {
+    closer_.SetExtrinsic(*T_B_C);
+    T_B_C_ = T_B_C;
+  }
+  const KeyframeReport report = closer_.AddKeyframe(input);
+  SetDrift(closer_.drift());
+  CountKeyframe(report);
+  if (callbacks_.on_keyframe) {
+    callbacks_.on_keyframe(input, report, closer_);
+  }
+}
+
+void LoopFusion::Process(const RelativePoseUpdate& update) {
+  const std::lock_guard<std::mutex> closer_lock(closer_mutex_);
+  const bool is_used = closer_.UpdateLoop(update.current, update.T_Bold_Bcurrent);
+  SetDrift(closer_.drift());
+  const std::lock_guard<std::mutex> lock(statistics_mutex_);
+  ++(is_used ? statistics_.relative_poses : statistics_.relative_poses_ignored);
+}
+
+void LoopFusion::Process(const VirtualViewSource& source) {
+  const VirtualView view = source();
+  const std::lock_guard<std::mutex> closer_lock(closer_mutex_);
+  closer_.AddVirtualView(view);
+  CountViews();
+}
+
+void LoopFusion::CountViews() {
+  const ViewCounts views = closer_.view_counts();
+  const std::size_t bytes = views.kept > 0 ? closer_.view_memory_bytes() : 0;
+  const std::lock_guard<std::mutex> lock(statistics_mutex_);
+  statistics_.views = views;
+  statistics_.view_memory_bytes = bytes;
+}
+
+void LoopFusion::CountKeyframe(const KeyframeReport& report) {
+  CountViews();
+  const std::lock_guard<std::mutex> lock(statistics_mutex_);
+  ++statistics_.keyframes;
+  for (const LoopReport& loop : report.loops) {
+    ++statistics_.candidates[ToString(loop.reason)];
+  }
+  const double ms = report.times.total();
+  statistics_.max_ms = std::max(statistics_.max_ms, ms);
+  statistics_.mean_ms += (ms - statistics_.mean_ms) / static_cast<double>(statistics_.keyframes);
+}
+
+void LoopFusion::SetDrift(const Rigid3& T_M_W) {
+  const std::lock_guard<std::mutex> lock(statistics_mutex_);
+  T_M_W_ = T_M_W;
+}
+
+void LoopFusion::Tell(const std::string& what) const {
+  if (callbacks_.on_problem) {
+    callbacks_.on_problem(what);
+  }
+}
+
+}  // namespace deja_view

@@ -1,0 +1,85 @@
+#include "deja_view/fusion/result_files.hpp"
+
+#include "deja_view/base/atomic_file.hpp"
+#include "deja_view/io/tum.hpp"
+
+#include <ostream>
+
+#include <fmt/format.h>
+
+namespace deja_view {
+namespace {
+
+void WriteLoops(std::ostream& out, const std::vector<LoopReport>& loops) {
+  out << "stamp_current_ns,stamp_old_ns,tx,ty,tz,qx,qy,qz,qw,score,inliers,virtual,accepted,"
+         "reason\n";
+  for (const LoopReport& loop : loops) {
+    const Rigid3& T = loop.T_Bold_Bcurrent;
+    out << fmt::format(
+        "{},{},{:.6f},{:.6f},{:.6f},{:.8f},{:.8f},{:.8f},{:.8f},{:.6f},{},{},{},{}\n",
+        loop.stamp_current_ns,
+        loop.stamp_old_ns,
+        T.t.x(),
+        T.t.y(),
+        T.t.z(),
+        T.q.x(),
+        T.q.y(),
+        T.q.z(),
+        T.q.w(),
+        loop.score,
+        loop.inliers,
+        loop.is_virtual ? 1 : 0,
+        loop.accepted() ? 1 : 0,
+        ToString(loop.reason));
+  }
+}
+
+void WriteMatches(std::ostream& out, const std::vector<LoopMatches>& matches) {
+  out << "stamp_current_ns,stamp_old_ns,virtual,view,u_old,v_old,u_current,v_current\n";
+  for (const LoopMatches& loop : matches) {
+    for (const LoopMatches::Pair& pair : loop.pairs) {
+      out << fmt::format("{},{},{},{},{:.1f},{:.1f},{:.1f},{:.1f}\n",
+                         loop.stamp_current_ns,
+                         loop.stamp_old_ns,
+                         loop.is_virtual ? 1 : 0,
+                         pair.view,
+                         pair.old_pixel.x(),
+                         pair.old_pixel.y(),
+                         pair.current_pixel.x(),
+                         pair.current_pixel.y());
+    }
+  }
+}
+
+}  // namespace
+
+void WriteResultFiles(const std::filesystem::path& directory,
+                      const std::vector<KeyframeInfo>& keyframes,
+                      int first_own,
+                      const std::vector<LoopReport>& loops,
+                      const std::vector<LoopMatches>& matches) {
+  Trajectory corrected;
+  Trajectory vio;
+  Trajectory places;
+  for (const KeyframeInfo& keyframe : keyframes) {
+    if (keyframe.is_place) {
+      places.stamps_ns.push_back(keyframe.stamp_ns);
+      places.poses.push_back(keyframe.T_M_B);
+    }
+    if (keyframe.index >= first_own) {
+      corrected.stamps_ns.push_back(keyframe.stamp_ns);
+      corrected.poses.push_back(keyframe.T_M_B);
+      vio.stamps_ns.push_back(keyframe.stamp_ns);
+      vio.poses.push_back(keyframe.T_W_B);
+    }
+  }
+  WriteTum(directory / "trajectory.txt", corrected);
+  WriteTum(directory / "vio.txt", vio);
+  WriteTum(directory / "places.txt", places);
+  WriteFileAtomically(directory / "loops.csv",
+                      [&loops](std::ostream& out) { WriteLoops(out, loops); });
+  WriteFileAtomically(directory / "matches.csv",
+                      [&matches](std::ostream& out) { WriteMatches(out, matches); });
+}
+
+}  // namespace deja_view

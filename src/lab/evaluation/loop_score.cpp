@@ -1,0 +1,73 @@
+#include "deja_view/lab/evaluation/loop_score.hpp"
+
+#include "deja_view/base/check.hpp"
+
+#include <cmath>
+
+namespace deja_view {
+namespace {
+
+constexpr double kDegree = 3.14159265358979323846 / 180.0;
+
+bool IsCorrect(const EvaluatedLoop& loop,
+               const Rigid3& T_truth_old,
+               const Rigid3& T_truth_current,
+               const LoopCriteria& criteria) {
+  const Rigid3 error = loop.T_Bold_Bcurrent.Inverse() * (T_truth_old.Inverse() * T_truth_current);
+  return error.t.norm() < criteria.max_error_m &&
+         RotationAngle(error.q) < criteria.max_error_deg * kDegree;
+}
+
+}  // namespace
+
+bool IsRevisit(const TrueKeyframe& current,
+               const TrueKeyframe& old,
+               const Rigid3& T_B_C,
+               const LoopCriteria& criteria) {
+  const bool is_older = old.is_old_only || static_cast<double>(current.stamp_ns - old.stamp_ns) >=
+                                               criteria.revisit_age_s * 1e9;
+  if (!is_older || !current.T_truth_B || !old.T_truth_B ||
+      (current.T_truth_B->t - old.T_truth_B->t).norm() > criteria.revisit_distance_m) {
+    return false;
+  }
+  const Eigen::Vector3d axis = T_B_C.q * Eigen::Vector3d::UnitZ();
+  return (current.T_truth_B->q * axis).dot(old.T_truth_B->q * axis) >
+         std::cos(criteria.revisit_angle_deg * kDegree);
+}
+
+LoopScore ScoreLoops(const std::vector<TrueKeyframe>& keyframes,
+                     const std::vector<EvaluatedLoop>& loops,
+                     const Rigid3& T_B_C,
+                     const LoopCriteria& criteria) {
+  LoopScore score;
+  std::vector<bool> is_found(keyframes.size(), false);
+  for (const EvaluatedLoop& loop : loops) {
+    const TrueKeyframe& old = keyframes.at(static_cast<std::size_t>(loop.old));
+    const TrueKeyframe& current = keyframes.at(static_cast<std::size_t>(loop.current));
+    const bool is_judged = old.T_truth_B && current.T_truth_B;
+    const bool is_correct =
+        is_judged && IsCorrect(loop, *old.T_truth_B, *current.T_truth_B, criteria);
+    ++score.accepted;
+    score.judged += is_judged ? 1 : 0;
+    score.correct += is_correct ? 1 : 0;
+    score.is_correct.push_back(is_correct);
+    if (is_correct) {
+      is_found[static_cast<std::size_t>(loop.current)] = true;
+    }
+  }
+  for (std::size_t i = 0; i < keyframes.size(); ++i) {
+    const TrueKeyframe& current = keyframes[i];
+    if (current.is_old_only || !current.T_truth_B) {
+      continue;
+    }
+    bool is_revisit = false;
+    for (std::size_t j = 0; j < keyframes.size() && !is_revisit; ++j) {
+      is_revisit = j != i && IsRevisit(current, keyframes[j], T_B_C, criteria);
+    }
+    score.revisits += is_revisit ? 1 : 0;
+    score.revisits_found += is_revisit && is_found[i] ? 1 : 0;
+  }
+  return score;
+}
+
+}  // namespace deja_view

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "deja_view/lab/sim/beam_caster.hpp"
+
+#include <cstdint>
+#include <vector>
+
+namespace deja_view::sim {
+
+/// See BeamCaster::Trace. The fast one needs AVX2 (HasAvx2). Both run the same operations in the
+/// same order, without fusing, on more or fewer lanes at a time: the same bits.
+void TracePacketFast(const BeamCaster::LocalSurface* surfaces,
+                     const std::vector<std::int32_t>& candidates,
+                     RayPacket* packet);
+void TracePacketPortable(const BeamCaster::LocalSurface* surfaces,
+                         const std::vector<std::int32_t>& candidates,
+                         RayPacket* packet);
+
+}  // namespace deja_view::sim

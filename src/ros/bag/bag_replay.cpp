@@ -1,0 +1,208 @@
+#include "deja_view/ros/bag/bag_replay.hpp"
+
+#include "deja_view/base/check.hpp"
+#include "deja_view/ros/bag/bag_reader.hpp"
+#include "deja_view/ros/bag/view_bag.hpp"
+#include "deja_view/ros/messages/virtual_frame_conversion.hpp"
+
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace deja_view {
+namespace {
+
+class Replay {
+ public:
+  Replay(const VioTopics& topics,
+         const KeyframeAssemblerOptions& options,
+         const ReplayCallbacks& callbacks)
+      : topics_(topics),
+        callbacks_(callbacks),
+        assembler_(
+            options,
+            [this](AssembledKeyframe keyframe) { HandOver(keyframe); },
+            [this](DropReason reason, std::int64_t stamp_ns) { TellDrop(reason, stamp_ns); }) {}
+
+  /// `beside`, if any, has the virtual views.
+  ReplayReport Run(const BagReader& bag, const BagReader* beside) {
+    std::int64_t total = 0;
+    std::vector<std::string> names;
+    for (const auto& handler : handlers_) {
+      const bool is_beside = beside != nullptr && handler.first == topics_.virtual_frame;
+      if (!is_beside) {
+        names.push_back(handler.first);
+      }
+      for (const BagReader::Topic& topic : (is_beside ? *beside : bag).topics()) {
+        total += topic.name == handler.first ? topic.messages : 0;
+      }
+    }
+    bag.Read(names, beside, {topics_.virtual_frame}, [this, total](const auto& instance) {
+      Handle(instance);
+      ++report_.messages;
+      if (callbacks_.on_progress) {
+        callbacks_.on_progress(report_.messages, total);
+      }
+    });
+    assembler_.Flush();
+    report_.assembler = assembler_.counts();
+    return report_;
+  }
+
+  void AddHandlers(const BagReader& bag, const BagReader& views) {
+    AddImageHandler(bag);
+    Require(bag, topics_.keyframe_pose, "nav_msgs/Odometry", [this](const auto& instance) {
+      const StampedPose pose = ReadOdometry(instance);
+      assembler_.AddPose(pose.stamp_ns, pose.pose);
+    });
+    Require(bag, topics_.keyframe_point, "sensor_msgs/PointCloud", [this](const auto& instance) {
+      const auto message = Instantiate<sensor_msgs::PointCloud>(instance);
+      assembler_.AddPoints(ToNanoseconds(message->header.stamp),
+                           FromKeyframePoints(*message, instance.getTopic()));
+    });
+    if (callbacks_.on_extrinsic) {
+      Want(bag, topics_.extrinsic, [this](const auto& instance) {
+        const StampedPose pose = ReadOdometry(instance);
+        assembler_.AddExtrinsic(pose.stamp_ns, pose.pose);
+      });
+    }
+    if (callbacks_.on_odometry) {
+      Want(bag, topics_.odometry, [this](const auto& instance) {
+        callbacks_.on_odometry(ReadOdometry(instance));
+      });
+    }
+    if (callbacks_.on_relative_pose) {
+      Want(bag, topics_.relo_relative_pose, [this](const auto& instance) {
+        const auto message = Instantiate<nav_msgs::Odometry>(instance);
+        callbacks_.on_relative_pose(FromRelativePose(*message, instance.getTopic()));
+      });
+    }
+    if (callbacks_.on_virtual_view && views.HasTopic(topics_.virtual_frame)) {
+      Require(views, topics_.virtual_frame, "deja_view/VirtualFrame", [this](const auto& instance) {
+        const auto message = Instantiate<VirtualFrame>(instance);
+        callbacks_.on_virtual_view(
+            FromVirtualFrame(*message, instance.getTopic(), callbacks_.sufficient_features));
+      });
+    }
+  }
+
+ private:
+  using Handler = std::function<void(const rosbag::MessageInstance&)>;
+
+  static StampedPose ReadOdometry(const rosbag::MessageInstance& instance) {
+    return FromOdometry(*Instantiate<nav_msgs::Odometry>(instance), instance.getTopic());
+  }
+
+  void AddImageHandler(const BagReader& bag) {
+    bag.RequireTopic(topics_.image, {"sensor_msgs/Image", "sensor_msgs/CompressedImage"});
+    if (bag.TypeOf(topics_.image) == "sensor_msgs/Image") {
+      handlers_[topics_.image] = [this](const rosbag::MessageInstance& instance) {
+        const auto message = Instantiate<sensor_msgs::Image>(instance);
+        assembler_.AddImage(ToNanoseconds(message->header.stamp),
+                            FromImage(message, instance.getTopic()));
+      };
+    } else {
+      handlers_[topics_.image] = [this](const rosbag::MessageInstance& instance) {
+        const auto message = Instantiate<sensor_msgs::CompressedImage>(instance);
+        assembler_.AddImage(ToNanoseconds(message->header.stamp),
+                            FromCompressedImage(message, instance.getTopic()));
+      };
+    }
+  }
+
+  void Require(const BagReader& bag,
+               const std::string& topic,
+               const std::string& type,
+               Handler handler) {
+    bag.RequireTopic(topic, {type});
+    handlers_[topic] = std::move(handler);
+  }
+
+  void Want(const BagReader& bag, const std::string& topic, Handler handler) {
+    if (bag.HasTopic(topic)) {
+      Require(bag, topic, "nav_msgs/Odometry", std::move(handler));
+    }
+  }
+
+  void Handle(const rosbag::MessageInstance& instance) {
+    try {
+      handlers_.at(instance.getTopic())(instance);
+    } catch (const InputError& e) {
+      Tell(e.what());
+    }
+  }
+
+  void Tell(const std::string& what) {
+    ++report_.bad_messages;
+    if (callbacks_.on_problem) {
+      callbacks_.on_problem(what);
+    }
+  }
+
+  void TellDrop(DropReason reason, std::int64_t stamp_ns) {
+    if (callbacks_.on_problem) {
+      callbacks_.on_problem(fmt::format("message of stamp {} ns: {}", stamp_ns, ToString(reason)));
+    }
+  }
+
+  void HandOver(const AssembledKeyframe& keyframe) {
+    if (callbacks_.on_extrinsic && keyframe.T_B_C && IsNewExtrinsic(*keyframe.T_B_C)) {
+      callbacks_.on_extrinsic(*keyframe.T_B_C);
+      T_B_C_ = keyframe.T_B_C;
+    }
+    try {
+      callbacks_.on_keyframe(keyframe.ToInput());
+    } catch (const InputError& e) {
+      Tell(e.what());
+    }
+  }
+
+  bool IsNewExtrinsic(const Rigid3& T_B_C) const {
+    return !T_B_C_ || T_B_C_->t != T_B_C.t || T_B_C_->q.coeffs() != T_B_C.q.coeffs();
+  }
+
+  const VioTopics& topics_;
+  const ReplayCallbacks& callbacks_;
+  ReplayReport report_;
+  std::optional<Rigid3> T_B_C_;
+  std::map<std::string, Handler> handlers_;
+  KeyframeAssembler assembler_;
+};
+
+}  // namespace
+
+ReplayReport ReplayBag(const std::filesystem::path& bag,
+                       const VioTopics& topics,
+                       const KeyframeAssemblerOptions& options,
+                       const ReplayCallbacks& callbacks) {
+  return ReplayBag(bag, {}, topics, options, callbacks);
+}
+
+void RequireVirtualViews(const BagReader& bag, const std::string& frame_topic) {
+  if (bag.HasTopic(frame_topic) || !bag.HasTopic(ViewTopics{}.settings)) {
+    bag.RequireTopic(frame_topic, {"deja_view/VirtualFrame"});
+  }
+}
+
+ReplayReport ReplayBag(const std::filesystem::path& bag,
+                       const std::filesystem::path& virtual_bag,
+                       const VioTopics& topics,
+                       const KeyframeAssemblerOptions& options,
+                       const ReplayCallbacks& callbacks) {
+  DEJA_VIEW_CHECK(callbacks.on_keyframe);
+  const BagReader reader(bag);
+  std::optional<BagReader> views;
+  if (!virtual_bag.empty()) {
+    views.emplace(virtual_bag);
+    RequireVirtualViews(*views, topics.virtual_frame);
+    if (!callbacks.on_virtual_view) {
+      views.reset();
+    }
+  }
+  Replay replay(topics, options, callbacks);
+  replay.AddHandlers(reader, views ? *views : reader);
+  return replay.Run(reader, views ? &*views : nullptr);
+}
+
+}  // namespace deja_view

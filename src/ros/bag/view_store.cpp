@@ -1,0 +1,147 @@
+#include "deja_view/ros/bag/view_store.hpp"
+
+#include "deja_view/base/atomic_file.hpp"
+#include "deja_view/base/check.hpp"
+
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <utility>
+
+#include <ros/serialization.h>
+
+namespace deja_view {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kMagic[8] = {'D', 'V', 'V', 'I', 'E', 'W', '1', '\n'};
+constexpr const char* kExtension = ".views";
+
+// All but the frames, as it lies in the file; results move between runs on one machine only.
+struct Header {
+  char magic[8];
+  std::uint64_t settings_hash;
+  std::uint64_t body_hash;
+  std::int64_t stamp_ns;
+  std::int64_t recorded_ns;
+  double gain;
+  double bias;
+  double correlation;
+  double psnr_db;
+  double elapsed_s;
+  std::int32_t is_recognised;
+  std::int32_t not_free;
+  std::int32_t uncertain;
+  std::int32_t frames;
+};
+static_assert(sizeof(Header) == 96, "no padding");
+
+// FNV-1a, 64 bits.
+std::uint64_t Hash(const std::string& bytes) {
+  std::uint64_t hash = 14695981039346656037U;
+  for (const char byte : bytes) {
+    hash = (hash ^ static_cast<std::uint8_t>(byte)) * 1099511628211U;
+  }
+  return hash;
+}
+
+std::string Serialize(const std::vector<VirtualFrame>& frames) {
+  std::string bytes;
+  for (const VirtualFrame& frame : frames) {
+    const std::uint32_t size = ros::serialization::serializationLength(frame);
+    std::string part(size, '\0');
+    // ROS streams write bytes.
+    ros::serialization::OStream stream(reinterpret_cast<std::uint8_t*>(part.data()), size);
+    ros::serialization::serialize(stream, frame);
+    bytes.append(reinterpret_cast<const char*>(&size), sizeof(size));
+    bytes += part;
+  }
+  return bytes;
+}
+
+// The hash of the bytes holds: they are what Serialize wrote.
+std::vector<VirtualFrame> Deserialize(std::string bytes, std::int32_t count) {
+  std::vector<VirtualFrame> frames(static_cast<std::size_t>(count));
+  std::size_t at = 0;
+  for (VirtualFrame& frame : frames) {
+    std::uint32_t size = 0;
+    std::memcpy(&size, bytes.data() + at, sizeof(size));
+    at += sizeof(size);
+    ros::serialization::IStream stream(reinterpret_cast<std::uint8_t*>(bytes.data() + at), size);
+    ros::serialization::deserialize(stream, frame);
+    at += size;
+  }
+  return frames;
+}
+
+}  // namespace
+
+ViewStore::ViewStore(fs::path directory, std::uint64_t settings_hash)
+    : directory_(std::move(directory)), settings_hash_(settings_hash) {}
+
+void ViewStore::Write(const SourceResult& result) const {
+  const std::string body = Serialize(result.frames);
+  Header header{};
+  std::memcpy(header.magic, kMagic, sizeof(kMagic));
+  header.settings_hash = settings_hash_;
+  header.body_hash = Hash(body);
+  header.stamp_ns = result.stamp_ns;
+  header.recorded_ns = result.recorded_ns;
+  header.gain = result.fit.gain;
+  header.bias = result.fit.bias;
+  header.correlation = result.fit.correlation;
+  header.psnr_db = result.fit.psnr_db;
+  header.elapsed_s = result.elapsed_s;
+  header.is_recognised = result.is_recognised ? 1 : 0;
+  header.not_free = result.not_free;
+  header.uncertain = result.uncertain;
+  header.frames = static_cast<std::int32_t>(result.frames.size());
+  WriteFileAtomically(PathOf(result.stamp_ns), [&](std::ostream& out) {
+    out.write(reinterpret_cast<const char*>(&header), sizeof(header));
+    out.write(body.data(), static_cast<std::streamsize>(body.size()));
+  });
+}
+
+std::optional<SourceResult> ViewStore::Read(std::int64_t stamp_ns) const {
+  std::ifstream in(PathOf(stamp_ns), std::ios::binary);
+  Header header{};
+  if (!in.read(reinterpret_cast<char*>(&header), sizeof(header))) {
+    return std::nullopt;
+  }
+  std::string body((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  if (std::memcmp(header.magic, kMagic, sizeof(kMagic)) != 0 ||
+      header.settings_hash != settings_hash_ || header.stamp_ns != stamp_ns ||
+      header.body_hash != Hash(body)) {
+    return std::nullopt;
+  }
+  SourceResult result;
+  result.stamp_ns = stamp_ns;
+  result.recorded_ns = header.recorded_ns;
+  result.fit = {header.gain, header.bias, header.correlation, header.psnr_db};
+  result.elapsed_s = header.elapsed_s;
+  result.is_recognised = header.is_recognised != 0;
+  result.not_free = header.not_free;
+  result.uncertain = header.uncertain;
+  result.frames = Deserialize(std::move(body), header.frames);
+  return result;
+}
+
+void ViewStore::Remove() const {
+  std::error_code error;
+  for (fs::directory_iterator entry(directory_, error), end; !error && entry != end;
+       entry.increment(error)) {
+    if (entry->path().extension() == kExtension) {
+      std::error_code ignored;
+      fs::remove(entry->path(), ignored);
+    }
+  }
+  fs::remove(directory_, error);  // fails, rightly, where there is something else
+}
+
+fs::path ViewStore::PathOf(std::int64_t stamp_ns) const {
+  return directory_ / (std::to_string(stamp_ns) + kExtension);
+}
+
+}  // namespace deja_view

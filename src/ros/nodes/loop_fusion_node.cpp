@@ -1,0 +1,299 @@
+#include "deja_view/ros/nodes/loop_fusion_node.hpp"
+
+#include "deja_view/base/check.hpp"
+#include "deja_view/fusion/result_files.hpp"
+#include "deja_view/io/options_yaml.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <ros/console.h>
+#include <ros/init.h>
+
+namespace deja_view {
+namespace {
+
+// roscpp drops silently what does not fit; the handlers take microseconds, so that these stay
+// empty.
+constexpr std::uint32_t kImageQueue = 200;
+constexpr std::uint32_t kMessageQueue = 2000;
+
+std::vector<KeyframeInfo> AllKeyframes(const LoopCloser& closer) {
+  std::vector<KeyframeInfo> keyframes;
+  keyframes.reserve(static_cast<std::size_t>(closer.keyframe_count()));
+  for (int i = 0; i < closer.keyframe_count(); ++i) {
+    keyframes.push_back(closer.keyframe(i));
+  }
+  return keyframes;
+}
+
+}  // namespace
+
+LoopFusionNode::LoopFusionNode()
+    : parameters_(ReadNodeParameters(private_handle_)),
+      vins_(ReadVinsConfig(parameters_.config_file)),
+      maps_(".") {
+  CompleteParameters(vins_, &parameters_);
+  maps_ = MapDirectory(parameters_.map_directory);
+  if (!parameters_.options_file.empty()) {
+    ReadOptions(parameters_.options_file, &options_);
+  }
+  service_handle_.setCallbackQueue(&service_queue_);
+  publisher_ = std::make_unique<LoopPublisher>(ros::NodeHandle(parameters_.vins_namespace),
+                                               private_handle_,
+                                               parameters_.frames,
+                                               vins_,
+                                               options_.node);
+  LoopFusionCallbacks callbacks;
+  callbacks.on_keyframe =
+      [this](const KeyframeInput& input, const KeyframeReport& report, const LoopCloser& closer) {
+        loops_.insert(loops_.end(), report.loops.begin(), report.loops.end());
+        for (const LoopMatches& matches : report.matches) {
+          matches_.Add(matches);
+        }
+        publisher_->PublishKeyframe(input, report, closer);
+      };
+  callbacks.on_problem = [this](const std::string& what) { OnProblem(what); };
+  fusion_ = std::make_unique<LoopFusion>(options_, MakeLoopCloser(), std::move(callbacks));
+  LoadAtStart();
+}
+
+LoopFusionNode::~LoopFusionNode() = default;
+
+LoopCloser LoopFusionNode::MakeLoopCloser() const {
+  const auto vocabulary = Vocabulary::Open(parameters_.vocabulary_file);
+  return {options_.loop_closer, vins_.camera, vins_.T_B_C, vocabulary, LoopFusion::RunBeside};
+}
+
+void LoopFusionNode::LoadAtStart() {
+  if (!parameters_.save_map_at_end.empty()) {
+    maps_.Resolve(parameters_.save_map_at_end);  // better now than after the flight
+  }
+  if (!parameters_.load_map_at_start.empty()) {
+    Load(maps_.ResolveExisting(parameters_.load_map_at_start));
+  } else if (vins_.load_previous_pose_graph) {
+    const auto previous = maps_.Resolve(NodeParameters::kPreviousMap);
+    if (std::filesystem::exists(previous)) {
+      Load(previous);
+    } else {
+      ROS_WARN("load_previous_pose_graph: there is no %s yet, starting without a map",
+               previous.c_str());
+    }
+  }
+}
+
+int LoopFusionNode::Run(const std::atomic<bool>& stop) {
+  fusion_->Start();
+  Advertise();
+  Subscribe();
+  ROS_INFO("loop_fusion: waiting for images on %s", parameters_.topics.image.c_str());
+  ros::CallbackQueue& queue = *ros::getGlobalCallbackQueue();
+  while (!stop && ros::ok()) {
+    queue.callAvailable(ros::WallDuration(0.1));
+  }
+  subscribers_.clear();
+  const bool is_well = Finish();
+  service_spinner_->stop();
+  return is_well ? 0 : 1;
+}
+
+void LoopFusionNode::Advertise() {
+  services_.push_back(service_handle_.advertiseService("save_map", &LoopFusionNode::SaveMap, this));
+  services_.push_back(service_handle_.advertiseService("load_map", &LoopFusionNode::LoadMap, this));
+  timers_.push_back(service_handle_.createWallTimer(
+      ros::WallDuration(1.0 / options_.node.path_rate_hz), &LoopFusionNode::PublishPaths, this));
+  diagnosed_at_ = ros::WallTime::now();
+  diagnostics_ = std::make_unique<diagnostic_updater::Updater>(service_handle_, private_handle_);
+  diagnostics_->setHardwareID("none");
+  diagnostics_->add("loop closing", this, &LoopFusionNode::Diagnose);
+  timers_.push_back(service_handle_.createWallTimer(
+      ros::WallDuration(1.0 / options_.node.diagnostics_rate_hz),
+      [this](const ros::WallTimerEvent&) { diagnostics_->force_update(); }));
+  service_spinner_ = std::make_unique<ros::AsyncSpinner>(1, &service_queue_);
+  service_spinner_->start();
+}
+
+template <typename Message>
+void LoopFusionNode::SubscribeTo(
+    const std::string& topic,
+    std::uint32_t queue,
+    void (LoopFusionNode::*handle)(const boost::shared_ptr<const Message>&)) {
+  const boost::function<void(const boost::shared_ptr<const Message>&)> guarded =
+      [this, handle](const boost::shared_ptr<const Message>& message) {
+        try {
+          (this->*handle)(message);
+        } catch (const InputError& e) {
+          ++bad_messages_;
+          OnProblem(e.what());
+        }
+      };
+  subscribers_.push_back(handle_.subscribe<Message>(
+      topic, queue, guarded, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
+}
+
+void LoopFusionNode::Subscribe() {
+  const VioTopics& topics = parameters_.topics;
+  SubscribeTo(topics.odometry, kMessageQueue, &LoopFusionNode::OnOdometry);
+  SubscribeTo(topics.imu_propagate, kMessageQueue, &LoopFusionNode::OnImuPropagate);
+  if (!vins_.loop_closure) {
+    ROS_WARN("%s: loop_closure is 0: odometry is passed on as it is",
+             parameters_.config_file.c_str());
+    return;
+  }
+  SubscribeTo(topics.extrinsic, kMessageQueue, &LoopFusionNode::OnExtrinsic);
+  SubscribeTo(topics.keyframe_pose, kMessageQueue, &LoopFusionNode::OnKeyframePose);
+  SubscribeTo(topics.keyframe_point, kMessageQueue, &LoopFusionNode::OnKeyframePoints);
+  SubscribeTo(topics.relo_relative_pose, kMessageQueue, &LoopFusionNode::OnRelativePose);
+  if (!topics.virtual_frame.empty()) {
+    SubscribeTo(topics.virtual_frame, kMessageQueue, &LoopFusionNode::OnVirtualFrame);
+  }
+  if (parameters_.compressed_images) {
+    SubscribeTo(topics.image, kImageQueue, &LoopFusionNode::OnCompressedImage);
+  } else {
+    SubscribeTo(topics.image, kImageQueue, &LoopFusionNode::OnImage);
+  }
+}
+
+void LoopFusionNode::OnImage(const sensor_msgs::ImageConstPtr& message) {
+  fusion_->AddImage(ToNanoseconds(message->header.stamp),
+                    FromImage(message, parameters_.topics.image));
+}
+
+void LoopFusionNode::OnCompressedImage(const sensor_msgs::CompressedImageConstPtr& message) {
+  fusion_->AddImage(ToNanoseconds(message->header.stamp),
+                    FromCompressedImage(message, parameters_.topics.image));
+}
+
+void LoopFusionNode::OnKeyframePose(const nav_msgs::OdometryConstPtr& message) {
+  const StampedPose pose = FromOdometry(*message, parameters_.topics.keyframe_pose);
+  fusion_->AddPose(pose.stamp_ns, pose.pose);
+}
+
+void LoopFusionNode::OnKeyframePoints(const sensor_msgs::PointCloudConstPtr& message) {
+  fusion_->AddPoints(ToNanoseconds(message->header.stamp),
+                     FromKeyframePoints(*message, parameters_.topics.keyframe_point));
+}
+
+void LoopFusionNode::OnExtrinsic(const nav_msgs::OdometryConstPtr& message) {
+  const StampedPose pose = FromOdometry(*message, parameters_.topics.extrinsic);
+  fusion_->AddExtrinsic(pose.stamp_ns, pose.pose);
+}
+
+void LoopFusionNode::OnOdometry(const nav_msgs::OdometryConstPtr& message) {
+  publisher_->PublishOdometry(
+      *message, FromOdometry(*message, parameters_.topics.odometry), fusion_->drift());
+}
+
+void LoopFusionNode::OnImuPropagate(const nav_msgs::OdometryConstPtr& message) {
+  publisher_->PublishImuPropagate(
+      *message, FromOdometry(*message, parameters_.topics.imu_propagate), fusion_->drift());
+}
+
+void LoopFusionNode::OnRelativePose(const nav_msgs::OdometryConstPtr& message) {
+  fusion_->AddRelativePose(FromRelativePose(*message, parameters_.topics.relo_relative_pose));
+}
+
+void LoopFusionNode::OnVirtualFrame(const VirtualFrameConstPtr& message) {
+  fusion_->AddVirtualView([message,
+                           topic = parameters_.topics.virtual_frame,
+                           sufficient = options_.loop_closer.SufficientViewFeatures()] {
+    return FromVirtualFrame(*message, topic, sufficient);
+  });
+}
+
+bool LoopFusionNode::SaveMap(NamedMap::Request& request, NamedMap::Response& response) {
+  try {
+    const auto path = maps_.Resolve(request.name);
+    response.message = fusion_->WithLoopCloser([&path](const LoopCloser& closer) {
+      closer.Save(path);
+      return fmt::format("{}: {} keyframes", path.string(), closer.keyframe_count());
+    });
+    response.success = 1;
+  } catch (const InputError& e) {
+    response.success = 0;
+    response.message = e.what();
+  }
+  ROS_INFO("save_map: %s", response.message.c_str());
+  return true;
+}
+
+bool LoopFusionNode::LoadMap(NamedMap::Request& request, NamedMap::Response& response) {
+  try {
+    const auto path = maps_.ResolveExisting(request.name);
+    Load(path);
+    response.success = 1;
+    response.message = path.string();
+  } catch (const InputError& e) {
+    response.success = 0;
+    response.message = e.what();
+    ROS_ERROR("load_map: %s", e.what());
+  }
+  return true;
+}
+
+void LoopFusionNode::Load(const std::filesystem::path& map) {
+  const int keyframes = fusion_->WithLoopCloser([this, &map](LoopCloser& closer) {
+    closer.Load(map);
+    first_own_sequence_ = closer.sequence_count();
+    first_own_keyframe_ = closer.keyframe_count();
+    return first_own_keyframe_;
+  });
+  ROS_INFO("loaded %s: %d keyframes", map.c_str(), keyframes);
+}
+
+void LoopFusionNode::PublishPaths(const ros::WallTimerEvent& /*event*/) {
+  if (!publisher_->WantsPaths()) {
+    return;
+  }
+  std::vector<LoopReport> loops;
+  int first_own_sequence = 0;
+  const std::vector<KeyframeInfo> keyframes =
+      fusion_->WithLoopCloser([&](const LoopCloser& closer) {
+        loops = closer.accepted_loops();
+        first_own_sequence = first_own_sequence_;
+        return AllKeyframes(closer);
+      });
+  publisher_->PublishPaths(keyframes, loops, first_own_sequence);
+}
+
+void LoopFusionNode::OnProblem(const std::string& what) {
+  ROS_WARN_STREAM_THROTTLE(1.0, "loop_fusion: " << what);
+}
+
+bool LoopFusionNode::Finish() {
+  const int left = fusion_->Stop(std::chrono::duration<double>(options_.node.drain_s));
+  if (left > 0) {
+    ROS_WARN(
+        "loop_fusion: left %d keyframes unprocessed after %.1f s", left, options_.node.drain_s);
+  }
+  bool is_well = true;
+  try {
+    fusion_->WithLoopCloser([this](LoopCloser& closer) {
+      closer.OptimizeFully();
+      if (!parameters_.save_map_at_end.empty()) {
+        closer.Save(maps_.Resolve(parameters_.save_map_at_end));
+      }
+      if (!parameters_.output_directory.empty()) {
+        WriteResultFiles(parameters_.output_directory,
+                         AllKeyframes(closer),
+                         first_own_keyframe_,
+                         loops_,
+                         matches_.Sorted());
+      }
+      return true;
+    });
+  } catch (const InputError& e) {
+    ROS_ERROR("loop_fusion: %s", e.what());
+    is_well = false;
+  }
+  const LoopFusionStatistics statistics = fusion_->statistics();
+  const auto accepted = statistics.candidates.find("accepted");
+  ROS_INFO("loop_fusion: %ld keyframes, %ld loops, %ld dropped by the queue, %ld bad messages",
+           static_cast<long>(statistics.keyframes),
+           static_cast<long>(accepted == statistics.candidates.end() ? 0 : accepted->second),
+           static_cast<long>(statistics.queue_overflows),
+           static_cast<long>(bad_messages_.load()));
+  return is_well;
+}
+
+}  // namespace deja_view

@@ -1,0 +1,47 @@
+#include "deja_view/ros/nodes/node_parameters.hpp"
+
+#include "parameters.hpp"
+
+namespace deja_view {
+
+NodeParameters ReadNodeParameters(const ros::NodeHandle& handle) {
+  using internal::ReadRequired;
+  using internal::ReadText;
+  NodeParameters p;
+  p.config_file = ReadRequired(handle, "config_file");
+  p.vocabulary_file = ReadRequired(handle, "vocabulary_file");
+  p.options_file = ReadText(handle, "options_file");
+  p.map_directory = ReadText(handle, "map_directory");
+  p.output_directory = ReadText(handle, "output_directory");
+  p.load_map_at_start = ReadText(handle, "load_map_at_start");
+  p.save_map_at_end = ReadText(handle, "save_map_at_end");
+  p.compressed_images =
+      internal::ReadParameter<bool>(handle, "compressed_images", false, "true or false");
+  p.vins_namespace = ReadText(handle, "vins_namespace", "/pose_graph");
+  p.topics.image = ReadText(handle, "topics/image");
+  const auto read_topic = [&handle](const char* name, std::string* topic) {
+    *topic = ReadText(handle, std::string("topics/") + name, *topic);
+  };
+  read_topic("keyframe_pose", &p.topics.keyframe_pose);
+  read_topic("keyframe_point", &p.topics.keyframe_point);
+  read_topic("extrinsic", &p.topics.extrinsic);
+  read_topic("odometry", &p.topics.odometry);
+  read_topic("imu_propagate", &p.topics.imu_propagate);
+  read_topic("relo_relative_pose", &p.topics.relo_relative_pose);
+  read_topic("virtual_frame", &p.topics.virtual_frame);
+  p.frames.map = ReadText(handle, "frames/map", p.frames.map);
+  p.frames.vio = ReadText(handle, "frames/vio", p.frames.vio);
+  p.frames.body = ReadText(handle, "frames/body", p.frames.body);
+  return p;
+}
+
+void CompleteParameters(const VinsConfig& vins, NodeParameters* parameters) {
+  if (parameters->topics.image.empty()) {
+    parameters->topics.image = vins.image_topic;
+  }
+  if (parameters->map_directory.empty()) {
+    parameters->map_directory = vins.pose_graph_save_path;
+  }
+}
+
+}  // namespace deja_view

@@ -1,0 +1,264 @@
+#include "deja_view/base/atomic_file.hpp"
+#include "deja_view/base/check.hpp"
+#include "deja_view/base/progress.hpp"
+#include "deja_view/nerf/cell_images.hpp"
+#include "deja_view/nerf/checkpoint.hpp"
+#include "deja_view/nerf/posed_images.hpp"
+#include "deja_view/nerf/sparse_points.hpp"
+#include "deja_view/nerf/trainer.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/interrupt.hpp"
+#include "common/tool_figures.hpp"
+#include "nerf/nerf_command.hpp"
+#include "nerf/nerf_options.hpp"
+#include "nerf/sub_maps.hpp"
+#include <fmt/format.h>
+
+namespace deja_view {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::size_t CountPoints(const std::vector<nerf::TrainingView>& views) {
+  std::size_t count = 0;
+  for (const nerf::TrainingView& view : views) {
+    count += view.points.size();
+  }
+  return count;
+}
+
+nerf::SceneBox MakeBox(const NerfTrainRequest& request,
+                       const std::vector<nerf::TrainingView>& views) {
+  if (request.box.empty()) {
+    return nerf::BoxAround(views, request.margin.value_or(DefaultMargin(views)));
+  }
+  nerf::SceneBox box;
+  box.min = {request.box[0], request.box[1], request.box[2]};
+  box.max = {request.box[3], request.box[4], request.box[5]};
+  if (!(box.max.array() > box.min.array()).all()) {
+    ThrowInputError("--box: expected each maximum to be greater than its minimum");
+  }
+  return box;
+}
+
+// What a training starts from.
+struct Beginning {
+  std::optional<nerf::RadianceField> field;  // to go on with
+  nerf::SceneCells cells;
+  std::vector<nerf::PosedImage> images;
+};
+
+Beginning Begin(const NerfTrainRequest& request) {
+  Beginning beginning;
+  nerf::Split split = ReadNerfInput(request.input);
+  if (request.resume.empty()) {
+    beginning.cells = CutScene(split, request.shard);
+  } else {
+    beginning.field = nerf::ReadField(request.resume);
+    if (beginning.field->progress >= 1) {
+      ThrowInputError("{}: its training is complete; nothing is left to resume",
+                      request.resume.string());
+    }
+    beginning.cells = beginning.field->cells;
+    CheckShard(request.shard, beginning.cells, request.resume.string());
+  }
+  const nerf::SceneCells& cells = beginning.cells;
+  beginning.images = cells.IsCut() ? nerf::SelectCellImages(split.training, cells.own())
+                                   : std::move(split.training);
+  if (beginning.images.empty()) {
+    ThrowInputError("none of the images to train on is of sub-map {}/{}",
+                    cells.shard().index,
+                    cells.shard().count);
+  }
+  return beginning;
+}
+
+nerf::Trainer MakeTrainer(const NerfTrainRequest& request,
+                          const nerf::TrainOptions& options,
+                          std::vector<nerf::TrainingView> views,
+                          std::optional<nerf::RadianceField> field) {
+  if (field) {
+    return nerf::Trainer(options, std::move(views), std::move(*field));
+  }
+  const nerf::SceneBox box = MakeBox(request, views);
+  return nerf::Trainer(options, std::move(views), box);
+}
+
+/// What the steps of a training add up to.
+struct TrainingSums {
+  std::size_t rays = 0;
+  std::size_t samples = 0;
+  std::size_t weighted = 0;
+  int steps = 0;
+  double psnr_db = 0;  ///< over the last steps
+
+  void Add(const nerf::StepReport& report) {
+    rays += report.rays;
+    samples += report.samples;
+    weighted += report.weighted;
+    psnr_db += (steps == 0 ? 1.0 : 0.02) * (report.psnr_db - psnr_db);
+    ++steps;
+  }
+  std::string Line(double share) const {
+    const auto per_ray = [&](std::size_t count) {
+      return static_cast<double>(count) / static_cast<double>(rays);
+    };
+    return fmt::format("{:.0f} %  PSNR {:.2f} dB  {:.1f} samples/ray, {:.1f} coloured",
+                       100 * share,
+                       psnr_db,
+                       per_ray(samples),
+                       per_ray(weighted));
+  }
+};
+
+/// How far a training is, by the clock or, for repeatable ones, by steps.
+class Schedule {
+ public:
+  Schedule(const NerfTrainRequest& request, Clock::time_point start, double done)
+      : request_(request), start_(start), setup_s_(SecondsSince(start)), done_(done) {}
+
+  /// In [0, 1); 1 or more when the training is over.
+  double Share(int steps) const { return done_ + (1 - done_) * ShareOfRun(steps); }
+
+  /// Of this run, which may go on with an older one.
+  double ShareOfRun(int steps) const {
+    // Time that writing the model takes; part of the budget.
+    constexpr double kWriting_s = 1.5;
+    if (request_.steps > 0) {
+      return static_cast<double>(steps) / request_.steps;
+    }
+    // Where reading the images took most of the budget, or more, some training remains.
+    const double left_s =
+        std::max({request_.budget_s - setup_s_, 0.25 * request_.budget_s, 2 * kWriting_s});
+    return (SecondsSince(start_) + kWriting_s - setup_s_) / left_s;
+  }
+  double setup_s() const { return setup_s_; }
+
+ private:
+  const NerfTrainRequest& request_;
+  Clock::time_point start_;
+  double setup_s_;
+  double done_;
+};
+
+void WriteRefinedPoses(const std::filesystem::path& path,
+                       const std::vector<std::string>& names,
+                       const std::vector<Rigid3>& poses) {
+  WriteFileAtomically(path, [&](std::ostream& out) {
+    out << "# image tx ty tz qx qy qz qw (T_N_C, camera in the frame of the given poses)\n";
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      const Rigid3& T = poses[i];
+      out << fmt::format("{} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f}\n",
+                         names[i],
+                         T.t.x(),
+                         T.t.y(),
+                         T.t.z(),
+                         T.q.x(),
+                         T.q.y(),
+                         T.q.z(),
+                         T.q.w());
+    }
+  });
+}
+
+/// Steps until the schedule's end or Ctrl-C, and writes the model now and then. Returns whether it
+/// was interrupted.
+bool Train(const NerfTrainRequest& request,
+           const Interrupt& interrupt,
+           const Schedule& schedule,
+           nerf::Trainer* trainer,
+           TrainingSums* sums) {
+  std::optional<Progress> progress;
+  if (request.show_progress) {
+    progress.emplace("training", "krays", 0);
+  }
+  auto written = Clock::now();
+  bool interrupted = false;
+  for (double share = schedule.Share(0); share < 1 && !interrupted;
+       share = schedule.Share(sums->steps)) {
+    sums->Add(trainer->Step(share));
+    if (progress) {
+      const double krays = static_cast<double>(sums->rays) / 1000;
+      progress->SetTotal(static_cast<std::size_t>(krays / schedule.ShareOfRun(sums->steps)));
+      progress->Update(sums->rays / 1000, sums->Line(share));
+    }
+    if (request.checkpoint_s > 0 && SecondsSince(written) > request.checkpoint_s) {
+      nerf::WriteField(request.out, trainer->field());
+      written = Clock::now();
+    }
+    try {
+      interrupt.Check();
+    } catch (const Interrupted&) {
+      interrupted = true;
+    }
+  }
+  if (!interrupted) {
+    sums->Add(trainer->Step(1));  // marks the training as complete
+  }
+  if (progress) {
+    progress->Finish(sums->rays / 1000, fmt::format("PSNR {:.2f} dB", sums->psnr_db));
+  }
+  nerf::WriteField(request.out, trainer->field());
+  return interrupted;
+}
+
+}  // namespace
+
+Json RunNerfTrain(const NerfTrainRequest& request) {
+  const auto start = Clock::now();
+  const Interrupt interrupt;
+  const nerf::TrainOptions options =
+      ReadTrainOptions(request.config, request.overrides, request.threads);
+  Beginning beginning = Begin(request);
+  std::vector<nerf::TrainingView> views =
+      LoadTrainingViews(request.input, beginning.images, request.threads);
+  if (request.sparse_points) {
+    nerf::AddSparsePoints({}, request.threads, &views);
+  }
+  const std::size_t points = CountPoints(views);
+  std::vector<std::string> names;
+  for (const nerf::TrainingView& view : views) {
+    names.push_back(view.name);
+  }
+  nerf::Trainer trainer =
+      MakeTrainer(request, options, std::move(views), std::move(beginning.field));
+  trainer.SetCells(beginning.cells);
+  if (request.resume.empty()) {
+    trainer.SetFrame(FrameOf(request.input));
+  }
+  const Schedule schedule(request, start, static_cast<double>(trainer.field().progress));
+  const auto train_start = Clock::now();
+  TrainingSums sums;
+  const bool interrupted = Train(request, interrupt, schedule, &trainer, &sums);
+  const double train_s = SecondsSince(train_start);
+  if (!request.refined_poses.empty()) {
+    WriteRefinedPoses(request.refined_poses, names, trainer.poses());
+  }
+  Json json;
+  json["model"] = request.out.string();
+  if (beginning.cells.IsCut()) {
+    json["shard"] = fmt::format("{}/{}", beginning.cells.index, beginning.cells.cells.size());
+  }
+  json["images"] = names.size();
+  json["steps"] = sums.steps;
+  json["psnr_db"] = sums.psnr_db;
+  json["train_wall_s"] = SecondsSince(start);
+  json["setup_s"] = schedule.setup_s();
+  json["depth_points"] = points;
+  json["rays"] = sums.rays;
+  json["samples"] = sums.samples;
+  json["weighted_samples"] = sums.weighted;
+  json["rays_per_s"] = static_cast<double>(sums.rays) / train_s;
+  json["samples_per_s"] = static_cast<double>(sums.samples) / train_s;
+  json["interrupted"] = interrupted;
+  json["peak_rss_mb"] = PeakRss_mb();
+  return json;
+}
+
+}  // namespace deja_view

@@ -1,0 +1,145 @@
+#include "deja_view/base/atomic_file.hpp"
+
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "common/commands.hpp"
+#include "replay/replay.hpp"
+#include <fmt/format.h>
+
+namespace deja_view {
+namespace {
+
+std::string Cell(const std::optional<ApeStatistics>& ape, double ApeStatistics::*member) {
+  return ape ? fmt::format("{:.4f}", (*ape).*member) : "-";
+}
+
+void PrintTable(const ReplayResult& r) {
+  const auto json = ToJson(r);
+  std::cout << fmt::format("keyframes {}  places {}  loops {}",
+                           json["keyframes"].get<int>(),
+                           r.places,
+                           json["loops_accepted"].get<int>());
+  if (r.score) {
+    std::cout << fmt::format("  correct {}  precision {:.3f}  recall {:.3f} ({} of {} revisits)",
+                             r.score->correct,
+                             r.score->precision(),
+                             r.score->recall(),
+                             r.score->revisits_found,
+                             r.score->revisits);
+  }
+  std::cout << "\n";
+  if (r.map_revisits > 0) {
+    std::cout << fmt::format("places of the map: {} of {} revisits found, {:.3f}\n",
+                             r.map_revisits_found,
+                             r.map_revisits,
+                             1.0 * r.map_revisits_found / r.map_revisits);
+  }
+  if (r.views.kept > 0 || r.views.received > 0) {
+    std::cout << fmt::format(
+        "virtual views: {} received, {} kept, {:.1f} kB each; loops with them {}\n",
+        r.views.received,
+        r.views.kept,
+        r.view_memory_kb,
+        r.virtual_loops);
+  }
+  if (r.ape) {
+    std::cout << "APE [m]      mean    rmse     max  median     min\n";
+    const auto row = [](const char* name, const std::optional<ApeStatistics>& ape) {
+      std::cout << fmt::format("{:<9} {:>7} {:>7} {:>7} {:>7} {:>7}\n",
+                               name,
+                               Cell(ape, &ApeStatistics::mean),
+                               Cell(ape, &ApeStatistics::rmse),
+                               Cell(ape, &ApeStatistics::max),
+                               Cell(ape, &ApeStatistics::median),
+                               Cell(ape, &ApeStatistics::min));
+    };
+    row("VIO", r.vio_ape);
+    row("corrected", r.ape);
+    if (r.map_frame_ape) {
+      row("in map", r.map_frame_ape);
+    }
+  }
+  std::cout << fmt::format(
+      "{:.2f} CPU-s, {:.2f} s, {:.0f} MB peak; per keyframe [ms]: features {:.2f}, words {:.2f}, "
+      "query {:.2f}, verification {:.2f}, graph {:.2f}\n",
+      r.cpu_s,
+      r.wall_s,
+      r.peak_rss_mb,
+      r.mean_times.features,
+      r.mean_times.words,
+      r.mean_times.query,
+      r.mean_times.verification,
+      r.mean_times.graph);
+  for (const std::string& problem : r.problems) {
+    std::cerr << "warning: " << problem << "\n";
+  }
+}
+
+}  // namespace
+
+void AddReplayCommand(CLI::App& app, Command* command) {
+  auto request = std::make_shared<ReplayRequest>();
+  auto json_file = std::make_shared<std::string>();
+  CLI::App* sub =
+      app.add_subcommand("replay", "Close loops over a bag of VINS-Mono's topics at full speed");
+  sub->add_option("--bag", request->bag, "Bag with images and VINS-Mono's keyframes")->required();
+  sub->add_option("--virtual-bag",
+                  request->virtual_bag,
+                  "Bag with virtual views (/virtual_cam0/frame); without, those of --bag");
+  sub->add_option("--camera", request->camera, "Camera YAML, as VINS-Mono's")->required();
+  sub->add_option("--config", request->config, "Loop closer's YAML; defaults without");
+  sub->add_option("--set", request->overrides, "Override of the config: group.key=value")
+      ->take_all();
+  sub->add_option("--vocabulary", request->vocabulary, "Vocabulary; the shipped one without");
+  sub->add_option("--groundtruth", request->groundtruth, "True body poses (TUM), to judge by");
+  sub->add_option(
+      "--map-groundtruth", request->map_groundtruth, "True body poses of the loaded map");
+  sub->add_option("--load-map", request->load_map, "Directory of a saved map to start from");
+  sub->add_option("--save-map", request->save_map, "Directory to save the map to");
+  sub->add_option("--out", request->out, "Directory for trajectory.txt, vio.txt and loops.csv");
+  sub->add_option("--json", *json_file, "File for the results");
+  sub->add_flag_callback(
+      "--quiet", [request] { request->show_progress = false; }, "No progress");
+  sub->add_option_function<double>(
+      "--map-spacing",
+      [request](double spacing) {
+        request->overrides.push_back(fmt::format("map_spacing_m={}", spacing));
+      },
+      "Keep a keyframe as a place only when none is within so many metres (and 30 degrees)");
+  sub->add_option_function<std::string>(
+         "--virtual",
+         [request](const std::string& value) { request->use_virtual_views = value == "on"; },
+         "Use the virtual views of the bag and of the loaded map: on (default) or off")
+      ->check(CLI::IsMember({"on", "off"}));
+  sub->add_flag_callback(
+      "--localise",
+      [request] { request->overrides.emplace_back("add_places=false"); },
+      "Only look for the loaded map's places");
+  sub->add_option_function<std::vector<double>>(
+         "--revisit",
+         [request](const std::vector<double>& limits) {
+           request->revisits.emplace();
+           request->revisits->revisit_distance_m = limits[0];
+           request->revisits->revisit_angle_deg = limits[1];
+         },
+         "What counts as seeing a place of the loaded map again: metres, degrees (2 40)")
+      ->expected(2);
+  sub->footer(
+      "Example:\n  deja_view replay --bag hall.bag --camera euroc.yaml --groundtruth truth.txt "
+      "--out out");
+  sub->callback([=] {
+    *command = [=] {
+      const ReplayResult result = RunReplay(*request);
+      PrintTable(result);
+      if (!json_file->empty()) {
+        WriteFileAtomically(*json_file,
+                            [&](std::ostream& out) { out << ToJson(result).dump(2) << "\n"; });
+      }
+      return 0;
+    };
+  });
+}
+
+}  // namespace deja_view

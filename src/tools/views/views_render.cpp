@@ -1,0 +1,192 @@
+#include "deja_view/base/check.hpp"
+#include "deja_view/base/progress.hpp"
+#include "deja_view/io/options_yaml.hpp"
+
+#include <algorithm>
+#include <iostream>
+#include <optional>
+
+#include "common/interrupt.hpp"
+#include "common/tool_figures.hpp"
+#include "views/views_command.hpp"
+#include "views/views_input.hpp"
+
+namespace deja_view {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+ViewContent ParseContent(const ViewsRenderRequest& request) {
+  ViewContent content;
+  content.image = request.content != "features";
+  content.features = request.content != "image";
+  content.depth = request.depth;
+  return content;
+}
+
+// All that decides what the views look like, but the flight.
+std::string DescribeSettings(const ViewsRenderRequest& request,
+                             const ViewOptions& options,
+                             const ViewModel& model,
+                             const DepthMaps* maps) {
+  std::string text = fmt::format("renderer: {}\ncontent: {}\ndepth: {}\n{}{}",
+                                 request.renderer,
+                                 request.content,
+                                 request.depth,
+                                 model.settings,
+                                 maps != nullptr ? maps->Describe() : "");
+  ViewOptions named = options;
+  if (options.rendering.method == Upscaling::kFsrcnn) {
+    text += fmt::format("network: {:016x}\n", HashFile(options.rendering.network));
+  }
+  // The same views wherever the package is installed.
+  named.rendering.network = options.rendering.network.filename();
+  return text + OptionsToYaml(named);
+}
+
+ViewRendererFactory MakeFactory(const ViewsRenderRequest& request,
+                                const ViewJob& job,
+                                const ViewModel& model,
+                                const std::shared_ptr<const DepthMaps>& maps) {
+  if (request.renderer == "warp") {
+    const std::string& points = job.topics.keyframe_point;
+    if (maps == nullptr && !job.flight->HasTopic(points)) {
+      ThrowInputError(
+          "{}: no topic '{}': expected the VIO's points, by which --renderer warp works, or "
+          "--depth-maps",
+          job.flight->path().string(),
+          points);
+    }
+    return WarpFactory(job.camera, maps);
+  }
+  return [renderer = model.renderer](const ViewSource&, const std::vector<RangeSample>&) {
+    return renderer;
+  };
+}
+
+// None for the renderer that needs none.
+ViewModel ReadWantedModel(const ViewsRenderRequest& request, const PosedJob& posed) {
+  if (request.renderer == "warp") {
+    return {};
+  }
+  if (request.input.model.empty()) {
+    ThrowInputError("--model is missing: expected a radiance field, or --renderer warp");
+  }
+  ViewModel model = ReadModel(request.input.model, posed);
+  const Shard& sub_map = model.sub_map.shard;
+  if (sub_map.count > 1 && request.input.show_progress) {
+    std::cerr << fmt::format(
+        "sub-map {} of {}: views of its own images, for `deja_view views merge` with the others'\n",
+        sub_map.index,
+        sub_map.count);
+  }
+  return model;
+}
+
+// None where there are none; throws where they are of no use.
+std::shared_ptr<const DepthMaps> OpenWantedMaps(const ViewsRenderRequest& request,
+                                                const ViewJob& job) {
+  const DepthMapFiles& files = request.input.depth_maps;
+  if (!files.directory.empty() && request.renderer != "warp") {
+    ThrowInputError("--depth-maps {}: goes with --renderer warp only", files.directory.string());
+  }
+  auto maps = OpenDepthMaps(files, job.camera);
+  if (maps != nullptr) {
+    maps->CountImages(*job.flight, job.topics.image);
+  }
+  return maps;
+}
+
+// A resumed run counts only what it still has to do, so that rate and time left are right.
+class SourceProgress {
+ public:
+  explicit SourceProgress(bool is_shown) : is_shown_(is_shown) {}
+
+  void Update(std::size_t done, std::size_t total) {
+    if (!is_shown_) {
+      return;
+    }
+    if (!progress_) {
+      first_ = done;
+      progress_.emplace("virtual views", "images", total - done);
+    }
+    done == total ? progress_->Finish(done - first_) : progress_->Update(done - first_);
+  }
+
+ private:
+  bool is_shown_;
+  std::size_t first_ = 0;
+  std::optional<Progress> progress_;
+};
+
+double PerView(const ViewReport& report) {
+  return report.views > 0 ? static_cast<double>(report.bytes) / static_cast<double>(report.views)
+                          : 0.0;
+}
+
+}  // namespace
+
+Json RunViewsRender(const ViewsRenderRequest& request) {
+  const auto start = Clock::now();
+  const Interrupt interrupt;
+  PosedJob posed = ReadViewsInput(request.input);
+  ViewJob& job = posed.job;
+  job.out = request.out;
+  job.shard = ParseShard("--shard", request.shard);
+  job.content = ParseContent(request);
+  job.plain_topics = request.plain_topics;
+  job.views_only = request.views_only;
+  job.resume = request.resume;
+  if (request.renderer == "warp") {
+    // An image does not show what is beside it: only its own path could be called free.
+    job.options.gate.free_space = false;
+    // Its ranges are guessed between few points: what is asked of a field would leave hardly a
+    // view.
+    job.options.gate.max_depth_sigma = std::max(0.3, job.options.gate.max_depth_sigma);
+    job.options.gate.min_certain_share = std::min(0.5, job.options.gate.min_certain_share);
+  }
+  const ViewModel model = ReadWantedModel(request, posed);
+  const auto maps = OpenWantedMaps(request, job);
+  job.sub_map = model.sub_map;
+  job.settings = DescribeSettings(request, job.options, model, maps.get());
+  SourceProgress progress(request.input.show_progress);
+  const ViewReport report = RenderViews(
+      job, MakeFactory(request, job, model, maps), [&](std::size_t done, std::size_t total) {
+        progress.Update(done, total);
+        interrupt.Check();
+      });
+  Json json;
+  json["alignment"] = ToJson(posed.poses);
+  if (job.sub_map.shard.count > 1) {
+    json["sub_map"] = fmt::format("{}/{}", job.sub_map.shard.index, job.sub_map.shard.count);
+  }
+  if (maps != nullptr) {
+    json["depth_maps"] = maps->CountImages(*job.flight, job.topics.image);
+  }
+  json["images"] = report.images;
+  json["without_pose"] = report.without_pose;
+  json["sources"] = report.sources;
+  json["resumed"] = report.resumed;
+  json["not_recognised"] = report.not_recognised;
+  json["views"] = report.views;
+  json["not_free"] = report.not_free;
+  json["uncertain"] = report.uncertain;
+  json["bytes_per_view"] = PerView(report);
+  json["source_psnr_db"] = Mean(report.source_psnr_db);
+  json["source_ms_median"] = 1e3 * Median(report.source_s);
+  json["wall_s"] = SecondsSince(start);
+  json["cpu_s"] = CpuSeconds();
+  json["peak_rss_mb"] = PeakRss_mb();
+  return json;
+}
+
+Json RunViewsMerge(const ViewsMergeRequest& request) {
+  const ViewReport report =
+      MergeViews(*OpenFlight(request.flight), request.parts, request.out, request.views_only);
+  Json json;
+  json["views"] = report.views;
+  json["bytes_per_view"] = PerView(report);
+  return json;
+}
+
+}  // namespace deja_view

@@ -1,0 +1,96 @@
+#include "deja_view/lab/sim/world.hpp"
+
+#include "deja_view/base/check.hpp"
+
+#include <cmath>
+
+#include "small_world.hpp"
+#include <gtest/gtest.h>
+
+namespace deja_view::sim {
+namespace {
+
+TEST(Obstacle, DistanceToABoxInClosedForm) {
+  Obstacle box;
+  box.centre = {1, 2, 0.5};
+  box.half_size = {1, 0.5, 0.5};
+  box.yaw = 1.5707963267948966;  // x and y half sizes change places
+  EXPECT_NEAR(box.Distance({3, 2, 0.5}), 1.5, 1e-12);
+  EXPECT_NEAR(box.Distance({1, 4, 0.5}), 1.0, 1e-12);
+  EXPECT_NEAR(box.Distance({1.5 + 3, 2, 1 + 4}), 5.0, 1e-12);
+  EXPECT_NEAR(box.Distance({1, 2, 0.5}), -0.5, 1e-12);
+}
+
+TEST(Obstacle, DistanceToACylinderInClosedForm) {
+  Obstacle drum;
+  drum.half_size = {0.5, 0.5, 1};
+  drum.is_cylinder = true;
+  EXPECT_NEAR(drum.Distance({3, 4, 0}), 4.5, 1e-12);
+  EXPECT_NEAR(drum.Distance({0, 0, 3}), 2.0, 1e-12);
+  EXPECT_NEAR(drum.Distance({3.5, 0, 5}), 5.0, 1e-12);
+  EXPECT_NEAR(drum.Distance({0.2, 0, 0}), -0.3, 1e-12);
+}
+
+TEST(World, IsClosedToEverySide) {
+  const auto world = TinyWorld();
+  Rng rng(1, 1);
+  for (int i = 0; i < 500; ++i) {
+    const Eigen::Vector3d ray =
+        Eigen::Vector3d(rng.Normal(), rng.Normal(), rng.Normal()).normalized();
+    EXPECT_TRUE(CastRay(world->scene(), LookAlong(*world, 0).t, ray));
+  }
+}
+
+TEST(World, ClearanceAgreesWithRays) {
+  const auto world = TinyWorld();
+  Rng rng(2, 1);
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::Vector3d p(rng.Uniform(0.5, world->size().x() - 0.5),
+                            rng.Uniform(0.5, world->size().y() - 0.5),
+                            rng.Uniform(0.3, 2.0));
+    const double clearance = world->Clearance(p);
+    if (clearance < 0.3) {
+      continue;
+    }
+    const Eigen::Vector3d ray =
+        Eigen::Vector3d(rng.Normal(), rng.Normal(), 0.2 * rng.Normal()).normalized();
+    const auto hit = CastRay(world->scene(), p, ray);
+    ASSERT_TRUE(hit);
+    EXPECT_GT(hit->range, clearance - 0.1);  // posters and windows stand a little off the wall
+  }
+}
+
+TEST(World, SameSeedSameHall) {
+  const World again(1, TinyOptions().world, 3);
+  const World other(2, TinyOptions().world, 1);
+  const auto world = TinyWorld();
+  EXPECT_EQ(world->scene().light, again.scene().light);
+  ASSERT_EQ(world->scene().surfaces.size(), again.scene().surfaces.size());
+  for (std::size_t i = 0; i < again.scene().surfaces.size(); ++i) {
+    EXPECT_EQ(world->scene().surfaces[i].origin, again.scene().surfaces[i].origin);
+    EXPECT_EQ(world->scene().surfaces[i].texture, again.scene().surfaces[i].texture);
+  }
+  EXPECT_NE(world->scene().light, other.scene().light);
+}
+
+TEST(World, RepetitionLeavesFewTextures) {
+  WorldOptions options = TinyOptions().world;
+  options.repetition = 1.0;
+  const World repeated(1, options, 1);
+  EXPECT_LT(repeated.scene().textures.size(), TinyWorld()->scene().textures.size() / 3);
+}
+
+TEST(World, LightIsFiniteAndNotNegative) {
+  for (const float light : TinyWorld()->scene().light) {
+    ASSERT_TRUE(std::isfinite(light) && light >= 0);
+  }
+}
+
+TEST(World, RejectsInvalidOptions) {
+  WorldOptions options;
+  options.height_m = 1.0;
+  EXPECT_THROW(World(1, options, 1), CheckError);
+}
+
+}  // namespace
+}  // namespace deja_view::sim
