@@ -1,6 +1,7 @@
 #pragma once
 
 #include "deja_view/features/hamming_match.hpp"
+#include "deja_view/features/types.hpp"
 
 #include <cstddef>
 

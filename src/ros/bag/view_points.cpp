@@ -1,5 +1,8 @@
 #include "view_points.hpp"
 
+#include "deja_view/host/keyframe_assembler.hpp"
+#include "deja_view/ros/messages/conversions.hpp"
+
 namespace deja_view::internal {
 
 TrackedPoints ReadTrackedPoints(const BagReader& bag,

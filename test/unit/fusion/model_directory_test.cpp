@@ -1,8 +1,10 @@
 #include "deja_view/fusion/model_directory.hpp"
 
+#include "deja_view/base/check.hpp"
+
 #include <fstream>
 
-#include "bag_fixture.hpp"
+#include "temporary_directory.hpp"
 #include <gmock/gmock.h>
 
 namespace deja_view {
@@ -12,7 +14,7 @@ namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-class ModelDirectoryTest : public BagTest {
+class ModelDirectoryTest : public TemporaryDirectoryTest {
  protected:
   ModelDirectoryTest() {
     fs::create_directories(Path("models/folder"));
@@ -21,6 +23,8 @@ class ModelDirectoryTest : public BagTest {
     std::ofstream(Path("secret.dvn")) << "x";
     fs::create_symlink(Path("secret.dvn"), Path("models/link.dvn"));
   }
+  fs::path Path(const std::string& name) const { return directory_ / name; }
+
   ModelDirectory models_{Path("models")};
 };
 
@@ -32,16 +36,18 @@ TEST_F(ModelDirectoryTest, FindsFilesByName) {
 
 TEST_F(ModelDirectoryTest, DoesNotLeaveItsDirectory) {
   for (const std::string name : {"", "..", "../secret", "/etc/passwd", "a\\b", ".hidden", "a\nb"}) {
-    EXPECT_THAT(ErrorOf([&] { models_.Resolve(name); }), HasSubstr("model name")) << name;
+    EXPECT_THAT(MessageOf<InputError>([&] { models_.Resolve(name); }), HasSubstr("model name"))
+        << name;
   }
-  EXPECT_THAT(ErrorOf([&] { models_.Resolve("link"); }), HasSubstr("is a link"));
+  EXPECT_THAT(MessageOf<InputError>([&] { models_.Resolve("link"); }), HasSubstr("is a link"));
 }
 
 TEST_F(ModelDirectoryTest, ListsWhatIsThere) {
-  EXPECT_THAT(ErrorOf([&] { models_.Resolve("room"); }),
+  EXPECT_THAT(MessageOf<InputError>([&] { models_.Resolve("room"); }),
               AllOf(HasSubstr("model 'room'"), HasSubstr("hall, link")));
-  EXPECT_THAT(ErrorOf([&] { models_.Resolve("folder"); }), HasSubstr("expected one of"));
-  EXPECT_THAT(ErrorOf([&] { ModelDirectory(Path("nowhere")).Resolve("x"); }),
+  EXPECT_THAT(MessageOf<InputError>([&] { models_.Resolve("folder"); }),
+              HasSubstr("expected one of"));
+  EXPECT_THAT(MessageOf<InputError>([&] { ModelDirectory(Path("nowhere")).Resolve("x"); }),
               HasSubstr("no models at all"));
 }
 

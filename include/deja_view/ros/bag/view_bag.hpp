@@ -1,6 +1,7 @@
 #pragma once
 
 #include "deja_view/base/shard.hpp"
+#include "deja_view/ros/bag/view_flight.hpp"
 #include "deja_view/ros/bag/view_store.hpp"
 #include "deja_view/views/depth_warp_renderer.hpp"
 #include "deja_view/views/view_maker.hpp"

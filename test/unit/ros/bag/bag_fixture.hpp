@@ -9,29 +9,21 @@
 #include <functional>
 #include <string>
 
+#include "temporary_directory.hpp"
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 namespace deja_view {
 
 /// A directory of its own for each test, and small bags in VINS-Mono's topics.
-class BagTest : public ::testing::Test {
+class BagTest : public TemporaryDirectoryTest {
  protected:
-  BagTest() { std::filesystem::create_directories(directory_); }
-  ~BagTest() override { std::filesystem::remove_all(directory_); }
-
   static constexpr std::int64_t kMillisecond = 1000000;
   static constexpr std::int64_t kStart = 1403636627638560000;
 
   std::filesystem::path Path(const std::string& name) const { return directory_ / name; }
 
   static std::string ErrorOf(const std::function<void()>& body) {
-    try {
-      body();
-    } catch (const InputError& e) {
-      return e.what();
-    }
-    return "no InputError";
+    return MessageOf<InputError>(body);
   }
 
   static sensor_msgs::Image MakeImage(std::int64_t stamp_ns, std::uint8_t grey) {
@@ -75,12 +67,6 @@ class BagTest : public ::testing::Test {
     bag.Close();
     return Path(name);
   }
-
- private:
-  std::filesystem::path directory_ =
-      std::filesystem::path(::testing::TempDir()) /
-      (std::string("deja_view_") + ::testing::UnitTest::GetInstance()->current_test_info()->name() +
-       std::to_string(::getpid()));
 };
 
 }  // namespace deja_view
