@@ -27,6 +27,7 @@ def load_script(path):
 
 
 script = load_script(os.path.join(ROOT, "scripts", "images_to_bag"))
+import posed_frames as frames  # noqa: E402, from where the script found it
 
 SIZE = (320, 240)
 K = np.array([[250.0, 0, 160], [0, 250.0, 120], [0, 0, 1]])
@@ -58,7 +59,7 @@ def body_pose(i):
     """Sideways along the wall, and turning."""
     along = i / (FRAMES - 1) - 0.5
     T = np.eye(4)
-    T[:3, :3] = script.yaw_rotation(math.radians(40) * along)
+    T[:3, :3] = frames.yaw_rotation(math.radians(40) * along)
     T[:3, 3] = 0.1 * along, 1.2 * along, 0.05 * math.sin(6 * along)
     return T
 
@@ -104,7 +105,7 @@ class ImagesToBagTest(unittest.TestCase):
             if seven_scenes_turn is not None:
                 np.savetxt(os.path.join(self.images, f"frame-{i:06d}.pose.txt"), seven_scenes_turn @ T_W_C)
             T = body_pose(i)
-            numbers = " ".join(f"{v:.9f}" for v in [*T[:3, 3], *script.to_quaternion(T[:3, :3])])
+            numbers = " ".join(f"{v:.9f}" for v in [*T[:3, 3], *frames.to_quaternion(T[:3, :3])])
             lines.append(f"{stamp // 10**9}.{stamp % 10**9:09d} {numbers}\n")
         self.write("poses.txt", "".join(lines))
 
@@ -136,7 +137,7 @@ class ImagesToBagTest(unittest.TestCase):
             p, q = pose.pose.pose.position, pose.pose.pose.orientation
             points = np.array([[v.x, v.y, v.z] for v in cloud.points]).reshape(-1, 3)
             pixels = np.array([c.values[2:4] for c in cloud.channels]).reshape(-1, 2)
-            result.append((script.to_pose([p.x, p.y, p.z], [q.x, q.y, q.z, q.w]), points, pixels))
+            result.append((frames.to_pose([p.x, p.y, p.z], [q.x, q.y, q.z, q.w]), points, pixels))
         return result
 
     def reprojection_error(self, T_W_B, points, pixels):
@@ -183,12 +184,12 @@ class ImagesToBagTest(unittest.TestCase):
         status, _, err = self.run_script("--groundtruth", self.path("truth.tum"), poses=["--seven-scenes"])
         self.assertEqual((status, err), (0, ""))
         for row in np.loadtxt(self.path("truth.tum")):
-            up = script.to_pose(row[1:4], row[4:])[2, :3]  # the world's z seen from the body
+            up = frames.to_pose(row[1:4], row[4:])[2, :3]  # the world's z seen from the body
             np.testing.assert_allclose(up, [0, 0, 1], atol=1e-6)
 
     def test_up_of_a_camera_that_does_not_turn_must_be_given(self):
-        with self.assertRaisesRegex(script.UserError, "--up"):
-            script.estimate_up([np.eye(3)] * 5)
+        with self.assertRaisesRegex(frames.UserError, "--up"):
+            frames.estimate_up([np.eye(3)] * 5)
 
     def test_drift_is_seeded_and_keeps_points_by_their_keyframe(self):
         self.film_all()
@@ -278,16 +279,16 @@ class ImagesToBagTest(unittest.TestCase):
             self.assertIn(expected, err)
 
     def test_stamps_of_names(self):
-        self.assertEqual(script.image_stamp("1403715273262142976.jpg", 30), 1403715273262142976)
-        self.assertEqual(script.image_stamp("1305031102.175304.png", 30), 1305031102175304000)
-        self.assertEqual(script.image_stamp("frame-000015.color.jpg", 30), script.FIRST_STAMP_NS + 500000000)
-        self.assertIsNone(script.image_stamp("cover.png", 30))
+        self.assertEqual(frames.image_stamp("1403715273262142976.jpg", 30), 1403715273262142976)
+        self.assertEqual(frames.image_stamp("1305031102.175304.png", 30), 1305031102175304000)
+        self.assertEqual(frames.image_stamp("frame-000015.color.jpg", 30), frames.FIRST_STAMP_NS + 500000000)
+        self.assertIsNone(frames.image_stamp("cover.png", 30))
 
     def test_interpolation_turns_evenly(self):
-        T_b = script.to_pose([2, 0, 0], [0, 0, math.sin(0.5), math.cos(0.5)])
-        T = script.interpolate(np.eye(4), T_b, 0.25)
+        T_b = frames.to_pose([2, 0, 0], [0, 0, math.sin(0.5), math.cos(0.5)])
+        T = frames.interpolate(np.eye(4), T_b, 0.25)
         np.testing.assert_allclose(T[:3, 3], [0.5, 0, 0])
-        np.testing.assert_allclose(T[:3, :3], script.yaw_rotation(0.25), atol=1e-12)
+        np.testing.assert_allclose(T[:3, :3], frames.yaw_rotation(0.25), atol=1e-12)
 
 
 if __name__ == "__main__":
