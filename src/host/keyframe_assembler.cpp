@@ -13,7 +13,7 @@ constexpr std::int64_t kNanoseconds = 1000000000;
 
 // Stamps further apart than this do not belong to the same stretch of a flight: a stray stamp, or a
 // restart.
-constexpr std::int64_t kStretch_ns = 10 * kNanoseconds;
+constexpr std::int64_t kStretchNs = 10 * kNanoseconds;
 
 // Poses remembered to know a duplicate; calibrations remembered to find the one of a keyframe's
 // time.
@@ -25,7 +25,7 @@ std::int64_t ToNanoseconds(double seconds) {
 }
 
 bool FollowsWithinStretch(std::int64_t later, std::int64_t earlier) {
-  return later > earlier && later - earlier <= kStretch_ns;
+  return later > earlier && later - earlier <= kStretchNs;
 }
 
 }  // namespace
