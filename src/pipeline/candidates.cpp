@@ -1,13 +1,13 @@
 #include "candidates.hpp"
 
+#include "deja_view/base/angles.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 namespace deja_view {
 namespace {
-
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 struct Island {
   double score = 0;

@@ -2,7 +2,6 @@
 
 #include "deja_view/base/check.hpp"
 
-#include <algorithm>
 #include <utility>
 
 #include "loop_closer_impl.hpp"
@@ -14,7 +13,7 @@ LoopCloser::LoopCloser(const LoopCloserOptions& options,
                        const Rigid3& T_B_C,
                        std::shared_ptr<const Vocabulary> vocabulary,
                        SolveExecutor executor)
-    : impl_(std::make_unique<Impl>(
+    : impl_(std::make_unique<LoopCloserImpl>(
           options, std::move(camera), T_B_C, std::move(vocabulary), std::move(executor))) {}
 
 LoopCloser::~LoopCloser() = default;
@@ -22,7 +21,7 @@ LoopCloser::LoopCloser(LoopCloser&&) noexcept = default;
 LoopCloser& LoopCloser::operator=(LoopCloser&&) noexcept = default;
 
 void LoopCloser::SetExtrinsic(const Rigid3& T_B_C) {
-  impl_->T_B_C = T_B_C;
+  impl_->SetExtrinsic(T_B_C);
 }
 
 KeyframeReport LoopCloser::AddKeyframe(const KeyframeInput& input) {
@@ -42,54 +41,44 @@ void LoopCloser::OptimizeFully() {
 }
 
 int LoopCloser::keyframe_count() const {
-  return static_cast<int>(impl_->keyframes.size());
+  return impl_->keyframes().size();
 }
 
 KeyframeInfo LoopCloser::keyframe(int index) const {
   DEJA_VIEW_CHECK(index >= 0 && index < keyframe_count());
-  const auto k = static_cast<std::size_t>(index);
-  const PoseGraphNode& node = impl_->graph.nodes()[k];
-  const StoredKeyframe& stored = impl_->keyframes[k];
+  const StoredKeyframe& stored = impl_->keyframes()[index];
+  const PoseGraphNode& node = impl_->keyframes().node(index);
   return {index,
           node.sequence,
           stored.stamp_ns,
           node.T_W_B,
           node.T_M_B(),
           stored.is_place,
-          static_cast<int>(stored.views.size())};
+          static_cast<int>(impl_->shelf().Of(index).size())};
 }
 
 int LoopCloser::sequence_count() const {
-  return impl_->sequence + 1;
+  return impl_->keyframes().sequence_count();
 }
 
 bool LoopCloser::is_joined(int sequence) const {
-  return impl_->graph.IsAnchored(sequence);
+  return impl_->keyframes().graph().IsAnchored(sequence);
 }
 
 int LoopCloser::place_count() const {
-  return static_cast<int>(std::count_if(impl_->keyframes.begin(),
-                                        impl_->keyframes.end(),
-                                        [](const StoredKeyframe& k) { return k.is_place; }));
+  return static_cast<int>(impl_->keyframes().places().size());
 }
 
 std::size_t LoopCloser::memory_bytes() const {
-  std::size_t bytes = impl_->places.memory_bytes();
-  for (const StoredKeyframe& keyframe : impl_->keyframes) {
-    bytes += sizeof(StoredKeyframe) + keyframe.features.MemoryBytes();
-    for (const StoredView& view : keyframe.views) {
-      bytes += sizeof(StoredView) + view.MemoryBytes();
-    }
-  }
-  return bytes;
+  return impl_->memory_bytes();
 }
 
 const ViewCounts& LoopCloser::view_counts() const {
-  return impl_->view_counts;
+  return impl_->shelf().counts();
 }
 
 std::size_t LoopCloser::view_memory_bytes() const {
-  return impl_->ViewMemoryBytes();
+  return impl_->view_memory_bytes();
 }
 
 Rigid3 LoopCloser::drift() const {
@@ -97,7 +86,7 @@ Rigid3 LoopCloser::drift() const {
 }
 
 std::vector<LoopReport> LoopCloser::accepted_loops() const {
-  return impl_->accepted;
+  return impl_->loops().Accepted();
 }
 
 void LoopCloser::Save(const std::filesystem::path& directory) const {

@@ -1,33 +1,89 @@
-// Verifying candidates, and what follows from a loop.
+// Which keyframes may show the same place, verifying them, and what follows from a loop.
+#include "deja_view/base/angles.hpp"
+
 #include <algorithm>
 #include <utility>
 
 #include "loop_closer_impl.hpp"
-#include "stopwatch.hpp"
+#include "step_timer.hpp"
 
 namespace deja_view {
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
+constexpr double kLocalisedSeconds = 5.0;  // how long the corrected pose is the better guess
+
+NearbyPlace ToPlace(int keyframe, const Rigid3& T_M_C) {
+  return {keyframe, T_M_C.t, T_M_C.q * Eigen::Vector3d::UnitZ()};
+}
 
 }  // namespace
 
-LoopReport LoopCloser::Impl::VerifyCandidate(const Candidate& candidate,
-                                             bool with_views,
-                                             Verification* verification) const {
-  const auto old = static_cast<std::size_t>(candidate.keyframe);
-  const std::size_t current = keyframes.size() - 1;
-  *verification = verifier.VerifyRig(keyframes[current].features,
-                                     graph.nodes()[current].T_W_B.q,
-                                     keyframes[old].features,
-                                     graph.nodes()[old].T_W_B.q,
-                                     with_views ? RigOf(old) : std::vector<RigCamera>());
+NearbyPlace LoopCloserImpl::CameraOf(int keyframe) const {
+  return ToPlace(keyframe, keyframes_.T_M_C(keyframe));
+}
+
+std::vector<NearbyPlace> LoopCloserImpl::CamerasAround(bool with_views) const {
+  std::vector<NearbyPlace> cameras;
+  for (const int place : keyframes_.places()) {
+    if (!keyframes_.AreJoined(place, keyframes_.newest())) {
+      continue;
+    }
+    const Rigid3 T_M_C = keyframes_.T_M_C(place);
+    cameras.push_back(ToPlace(place, T_M_C));
+    // A virtual camera is a place from which its keyframe knows the hall, too.
+    if (with_views) {
+      for (const StoredView& view : shelf_.Of(place)) {
+        cameras.push_back(ToPlace(place, T_M_C * view.T_C_V));
+      }
+    }
+  }
+  return cameras;
+}
+
+bool LoopCloserImpl::IsLocalised() const {
+  if (last_localised_ < 0) {
+    return false;
+  }
+  const int newest = keyframes_.newest();
+  return keyframes_.node(last_localised_).sequence == keyframes_.node(newest).sequence &&
+         static_cast<double>(keyframes_[newest].stamp_ns - keyframes_[last_localised_].stamp_ns) <
+             kLocalisedSeconds * 1e9;
+}
+
+std::vector<Candidate> LoopCloserImpl::FindCandidates(const NewKeyframe& current,
+                                                      KeyframeReport* report) const {
+  const StepTimer timer(&report->times.query);
+  const int newest = keyframes_.newest();
+  PlaceQuestion question;
+  question.sequence = keyframes_.node(newest).sequence;
+  question.stamp_ns = keyframes_[newest].stamp_ns;
+  question.here = CameraOf(newest);
+  question.around = CamerasAround(true);
+  question.is_localised = IsLocalised();
+  FoundPlaces found = places_.Find(question, current.words);
+  report->best_place = found.best;
+  return std::move(found.candidates);
+}
+
+LoopReport LoopCloserImpl::Verify(const Candidate& candidate,
+                                  bool with_views,
+                                  const NewKeyframe& current,
+                                  Verification* verification) const {
+  const int old = candidate.keyframe;
+  const int newest = keyframes_.newest();
+  const KeyframeFeatures& old_features = keyframes_[old].features;
+  *verification = verifier_.VerifyRig(
+      current.features,
+      keyframes_.node(newest).T_W_B.q,
+      old_features,
+      keyframes_.node(old).T_W_B.q,
+      with_views ? shelf_.RigOf(old, old_features.T_B_C) : std::vector<RigCamera>());
   LoopReport report;
   report.is_virtual = with_views;
-  report.current = static_cast<int>(current);
-  report.old = candidate.keyframe;
-  report.stamp_current_ns = keyframes[current].stamp_ns;
-  report.stamp_old_ns = keyframes[old].stamp_ns;
+  report.current = newest;
+  report.old = old;
+  report.stamp_current_ns = keyframes_[newest].stamp_ns;
+  report.stamp_old_ns = keyframes_[old].stamp_ns;
   report.T_Bold_Bcurrent = verification->T_Bold_Bcurrent;
   report.covariance = verification->covariance;
   report.score = candidate.score;
@@ -37,29 +93,28 @@ LoopReport LoopCloser::Impl::VerifyCandidate(const Candidate& candidate,
   return report;
 }
 
-Relocalisation LoopCloser::Impl::MakeRelocalisation(const LoopReport& loop,
-                                                    const Verification& verification) const {
+Relocalisation LoopCloserImpl::MakeRelocalisation(const LoopReport& loop,
+                                                  const Verification& verification,
+                                                  const NewKeyframe& current) const {
   Relocalisation result;
   result.old = loop.old;
-  const auto old = static_cast<std::size_t>(loop.old);
-  result.T_M_Bold = graph.nodes()[old].T_M_B();
-  const KeyframeFeatures& current_features = keyframes.back().features;
+  result.T_M_Bold = keyframes_.node(loop.old).T_M_B();
   for (const PointMatch& match : verification.point_matches) {
     const Eigen::Vector2f& pixel =
-        keyframes[old].features.keypoints[static_cast<std::size_t>(match.keypoint)];
-    const Eigen::Vector3d bearing = camera->Unproject(pixel.cast<double>());
+        keyframes_[loop.old].features.keypoints[static_cast<std::size_t>(match.keypoint)];
+    const Eigen::Vector3d bearing = camera_->Unproject(pixel.cast<double>());
     if (bearing.z() > 1e-3) {
-      result.points.push_back({current_features.point_ids[static_cast<std::size_t>(match.point)],
+      result.points.push_back({current.features.point_ids[static_cast<std::size_t>(match.point)],
                                bearing.hnormalized()});
     }
   }
   return result;
 }
 
-LoopMatches LoopCloser::Impl::MakeMatches(const LoopReport& loop,
-                                          const Verification& verification) const {
+LoopMatches LoopCloserImpl::MakeMatches(const LoopReport& loop,
+                                        const Verification& verification) const {
   LoopMatches matches{loop.stamp_current_ns, loop.stamp_old_ns, loop.is_virtual, {}};
-  const std::vector<StoredView>& views = keyframes[static_cast<std::size_t>(loop.old)].views;
+  const std::vector<StoredView>& views = shelf_.Of(loop.old);
   for (const PixelMatch& match : verification.pixel_matches) {
     const int view =
         match.camera == 0 ? -1 : views[static_cast<std::size_t>(match.camera - 1)].index;
@@ -68,111 +123,86 @@ LoopMatches LoopCloser::Impl::MakeMatches(const LoopReport& loop,
   return matches;
 }
 
-bool LoopCloser::Impl::TakeVerified(LoopReport loop,
-                                    const Verification& verification,
-                                    KeyframeReport* report) {
-  PoseGraphLoop edge;
-  edge.from = loop.old;
-  edge.to = loop.current;
-  edge.T_from_to = loop.T_Bold_Bcurrent;
-  edge.covariance = loop.covariance;
-  reports.push_back(loop);
-  const LoopConsistency::Decision decision =
-      consistency.Add(edge, static_cast<int>(reports.size()) - 1, graph);
-  const bool is_believed = decision.state == LoopConsistency::State::kAccepted;
+bool LoopCloserImpl::TakeVerified(const LoopReport& loop,
+                                  const Verification& verification,
+                                  const NewKeyframe& current,
+                                  KeyframeReport* report) {
+  const int record = loops_.size();
+  const LoopBook::Entry entry = loops_.Enter(loop, &keyframes_.graph());
+  const bool is_believed = entry.reason == RejectReason::kNone;
   if (!is_believed) {
-    loop.reason = decision.state == LoopConsistency::State::kImplausible
-                      ? RejectReason::kImplausible
-                      : RejectReason::kInconsistent;
-    report->loops.push_back(loop);
+    report->loops.push_back(loops_[record].report);
   }
-  report->reason = loop.reason;
-  Believe(decision.believed, report);
+  for (std::size_t i = 0; i < entry.believed.size(); ++i) {
+    const LoopRecord& believed = loops_[entry.believed[i]];
+    report->loops.push_back(believed.report);
+    solve_.NoteLoop(keyframes_.graph().loops().at(static_cast<std::size_t>(believed.edge)),
+                    entry.joins && i == 0,
+                    keyframes_.graph());
+    last_localised_ = std::max(last_localised_, believed.report.current);
+  }
+  report->graph_changed = report->graph_changed || entry.joins;
   if (is_believed) {
     report->matches.push_back(MakeMatches(loop, verification));
   }
   // The VIO takes pixels of the old real image: what virtual views alone show is of no use to it.
   if (is_believed && !loop.is_virtual && !report->relocalisation) {
-    report->relocalisation = MakeRelocalisation(loop, verification);
-    keyframes.back().relocalised_old = loop.old;
+    report->relocalisation = MakeRelocalisation(loop, verification, current);
+    keyframes_.SetRelocalised(loop.current, loop.old);
   }
   return is_believed;
 }
 
 // Where the flight knows its place in the map, a candidate that lies beyond what verification lets
 // pass is not worth a rig.
-bool LoopCloser::Impl::IsWithinReach(int old) const {
-  if (!IsLocalised() || !graph.AreJoined(keyframes[static_cast<std::size_t>(old)].sequence,
-                                         keyframes.back().sequence)) {
+bool LoopCloserImpl::IsWithinReach(int old) const {
+  const int newest = keyframes_.newest();
+  if (!IsLocalised() || !keyframes_.AreJoined(old, newest)) {
     return true;
   }
   constexpr double kMarginM = 1.0;
   constexpr double kMarginDeg = 10.0;
-  const Rigid3 T_old_current =
-      graph.nodes()[static_cast<std::size_t>(old)].T_M_B().Inverse() * graph.nodes().back().T_M_B();
-  return T_old_current.t.norm() < options.verification.max_distance_m + kMarginM &&
-         RotationAngle(T_old_current.q) < kDegree * (options.verification.max_yaw_deg + kMarginDeg);
+  const Rigid3 T_old_newest = keyframes_.T_a_b(old, newest);
+  const LoopVerifierOptions& gates = options_.verification;
+  return T_old_newest.t.norm() < gates.max_distance_m + kMarginM &&
+         RotationAngle(T_old_newest.q) < kDegree * (gates.max_yaw_deg + kMarginDeg);
 }
 
 // The real images of all candidates first: a rig costs several times as much, and is of use only
 // where they don't do.
-void LoopCloser::Impl::FindLoops(KeyframeReport* report) {
-  const std::vector<Candidate> candidates = FindCandidates(report);
-  Stopwatch watch;
+void LoopCloserImpl::FindLoops(const std::vector<Candidate>& candidates,
+                               const NewKeyframe& current,
+                               KeyframeReport* report) {
+  const StepTimer timer(&report->times.verification);
   int found = 0;
   int rigs = 0;
   std::vector<std::pair<Candidate, LoopReport>> failed;
   for (const Candidate& candidate : candidates) {
-    if (found >= options.candidates.max_loops) {
+    if (found >= options_.candidates.max_loops) {
       break;
     }
     Verification verification;
-    const LoopReport loop = VerifyCandidate(candidate, false, &verification);
+    const LoopReport loop = Verify(candidate, false, current, &verification);
     if (loop.reason == RejectReason::kNone) {
-      found += TakeVerified(loop, verification, report) ? 1 : 0;
+      found += TakeVerified(loop, verification, current, report) ? 1 : 0;
     } else {
       failed.emplace_back(candidate, loop);
     }
   }
   for (auto& [candidate, loop] : failed) {
     const bool is_worth_it =
-        !keyframes[static_cast<std::size_t>(candidate.keyframe)].views.empty() &&
-        IsWithinReach(candidate.keyframe);
+        !shelf_.Of(candidate.keyframe).empty() && IsWithinReach(candidate.keyframe);
     Verification verification;
-    if (is_worth_it && found < options.candidates.max_loops && rigs < options.views.max_tried) {
+    if (is_worth_it && found < options_.candidates.max_loops && rigs < options_.views.max_tried) {
       ++rigs;
-      loop = VerifyCandidate(candidate, true, &verification);
+      loop = Verify(candidate, true, current, &verification);
     }
     if (loop.reason == RejectReason::kNone) {
-      found += TakeVerified(loop, verification, report) ? 1 : 0;
+      found += TakeVerified(loop, verification, current, report) ? 1 : 0;
     } else {
-      report->reason = loop.reason;
       report->loops.push_back(loop);
     }
   }
-  if (found > 0) {
-    report->reason = RejectReason::kNone;
-  }
-  report->times.verification = watch.LapMs();
 }
 
-void LoopCloser::Impl::Believe(const std::vector<LoopConsistency::Entry>& entries,
-                               KeyframeReport* report) {
-  for (const LoopConsistency::Entry& entry : entries) {
-    const bool was_joined =
-        graph.AreJoined(keyframes[static_cast<std::size_t>(entry.loop.from)].sequence,
-                        keyframes[static_cast<std::size_t>(entry.loop.to)].sequence);
-    graph.AddLoop(entry.loop);
-    LoopReport loop = reports[static_cast<std::size_t>(entry.tag)];
-    loop.reason = RejectReason::kNone;
-    accepted.push_back(loop);
-    report->loops.push_back(loop);
-    ++loops_since_solve_;
-    is_surprised_ =
-        is_surprised_ || !was_joined ||
-        graph.SquaredError(entry.loop) > options.solve.surprise * options.solve.surprise;
-    report->graph_changed = report->graph_changed || !was_joined;
-    last_localised_ = std::max(last_localised_, entry.loop.to);
-  }
-}
 }  // namespace deja_view

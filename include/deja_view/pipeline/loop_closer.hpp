@@ -1,100 +1,24 @@
 #pragma once
 
 #include "deja_view/camera/camera.hpp"
-#include "deja_view/features/feature_extractor.hpp"
 #include "deja_view/pipeline/loop_closer_options.hpp"
 #include "deja_view/pipeline/loop_closer_types.hpp"
 #include "deja_view/views/virtual_view.hpp"
 #include "deja_view/vocabulary/vocabulary.hpp"
 
-#include <cstdint>
 #include <filesystem>
-#include <functional>
-#include <future>
 #include <memory>
-#include <optional>
 #include <vector>
 
 namespace deja_view {
 
-/// One tracked point of the current keyframe that was found in the old image; what VINS-Mono's fast
-/// relocalisation wants.
-struct RelocalisationPoint {
-  std::int64_t feature_id = -1;
-  Eigen::Vector2d normalised_old = Eigen::Vector2d::Zero();  ///< x/z, y/z in the old camera
-};
-
-/// The best accepted loop of a keyframe, for `/pose_graph/match_points`.
-struct Relocalisation {
-  int old = -1;     ///< index of the old keyframe
-  Rigid3 T_M_Bold;  ///< corrected pose of the old body; VINS-Mono takes it for the pose in its
-                    ///< loop-closed world
-  std::vector<RelocalisationPoint> points;
-};
-
-/// What an accepted loop rests on, to show it.
-struct LoopMatches {
-  struct Pair {
-    int view = -1;  ///< index of the old keyframe's virtual view; -1: its real image
-    Eigen::Vector2f old_pixel = Eigen::Vector2f::Zero();  ///< [px] in that image
-    Eigen::Vector2f current_pixel = Eigen::Vector2f::Zero();
-  };
-  std::int64_t stamp_current_ns = 0;
-  std::int64_t stamp_old_ns = 0;
-  bool is_virtual = false;
-  std::vector<Pair> pairs;
-};
-
-/// Wall time of one keyframe's steps [ms].
-struct KeyframeTimes {
-  double features = 0, words = 0, query = 0, verification = 0, graph = 0;
-  double total() const { return features + words + query + verification + graph; }
-};
-
-/// The past keyframe that looks most like a new one, and what its island scores: with the paper's
-/// scoring the number that is compared with r, else the place database's score.
-struct BestPlace {
-  int old = -1;
-  double score = 0;
-};
-
-/// What AddKeyframe did.
-struct KeyframeReport {
-  int index = -1;
-  int sequence = 0;
-  bool is_new_sequence = false;
-  RejectReason reason = RejectReason::kNoCandidate;  ///< kNone when at least one loop was accepted
-  /// Candidates verified for this keyframe, and loops of earlier keyframes that became consistent
-  /// (or were found inconsistent) now. A pair may be reported twice: first kInconsistent (pending),
-  /// later accepted.
-  std::vector<LoopReport> loops;
-  std::optional<BestPlace> best_place;  ///< whether or not it reached any threshold
-  std::optional<Relocalisation> relocalisation;
-  std::vector<LoopMatches> matches;  ///< of this keyframe's own loops that were accepted at once
-  bool graph_changed = false;        ///< optimised poses moved: publish paths anew
-  KeyframeTimes times;
-};
-
-/// Read access to a stored keyframe.
-struct KeyframeInfo {
-  int index = -1;
-  int sequence = 0;
-  std::int64_t stamp_ns = 0;
-  Rigid3 T_W_B;           ///< as received from the VIO
-  Rigid3 T_M_B;           ///< corrected by the pose graph
-  bool is_place = false;  ///< can be recognised
-  int views = 0;          ///< virtual views kept
-};
-
-/// Runs a graph solve somewhere (the node: on its solver thread) and returns how to wait for its
-/// end.
-using SolveExecutor = std::function<std::future<void>(std::function<void()>)>;
+class LoopCloserImpl;
 
 /// Loop closing over a stream of keyframes: features, words, candidates, verification, pose graph.
 ///
 /// Synchronous, deterministic and without threads of its own: the same keyframes in the same order
 /// give the same bits. Not thread-safe; the node guards it with one mutex. A long graph solve can
-/// be moved out of the keyframe's way: see TakeSolve.
+/// be moved out of the keyframe's way: see SolveExecutor.
 class LoopCloser {
  public:
   /// `executor` may be empty: graphs are then solved in the caller's thread. Throws InputError for
@@ -164,8 +88,7 @@ class LoopCloser {
   void Load(const std::filesystem::path& directory);
 
  private:
-  class Impl;
-  std::unique_ptr<Impl> impl_;
+  std::unique_ptr<LoopCloserImpl> impl_;
 };
 
 }  // namespace deja_view

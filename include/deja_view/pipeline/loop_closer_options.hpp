@@ -39,6 +39,7 @@ struct CandidateOptions {
     v("nearby_distance_m", nearby_distance_m);
     v("nearby_angle_deg", nearby_angle_deg);
   }
+  std::vector<std::string> Validate() const;
 };
 
 /// When the pose graph is solved.
@@ -59,6 +60,28 @@ struct SolveOptions {
     v("nodes_per_latency", nodes_per_latency);
     v("at_end", at_end);
   }
+  std::vector<std::string> Validate() const;
+};
+
+/// Which tracked points are used, and how well their depth is known: with depth d [m] and parallax
+/// angle a [rad] over the track, sigma / d = hypot(floor, track_sigma_px / (focal length a)), at
+/// most max.
+struct TrackDepthOptions {
+  double max_error_px = 4.0;  ///< points that miss their own pixel by more are left out
+  double max_depth_m = 60.0;  ///< [m]
+  double sigma_floor = 0.02;
+  double track_sigma_px = 1.0;
+  double sigma_max = 0.15;
+
+  template <typename Visitor>
+  void Visit(Visitor& v) {
+    v("max_point_error_px", max_error_px);
+    v("max_point_depth_m", max_depth_m);
+    v("point_sigma_floor", sigma_floor);
+    v("point_track_sigma_px", track_sigma_px);
+    v("point_sigma_max", sigma_max);
+  }
+  std::vector<std::string> Validate() const;
 };
 
 /// Which virtual views are kept, and of what use they are.
@@ -114,14 +137,7 @@ struct LoopCloserOptions {
   double map_spacing_deg = 30.0;
   double max_speed_mps =
       40.0;  ///< [m/s] a faster jump between keyframes means that the VIO started anew
-  double max_point_error_px =
-      4.0;  ///< tracked points that miss their own pixel by more are left out
-  double max_point_depth_m = 60.0;  ///< [m]
-  /// Depth noise of a tracked point with depth d [m] and parallax angle a [rad] over its track:
-  /// sigma / d = hypot(floor, track_sigma_px / (focal length a)), at most max.
-  double point_sigma_floor = 0.02;
-  double point_track_sigma_px = 1.0;
-  double point_sigma_max = 0.15;
+  TrackDepthOptions track_depths;
 
   /// Kind of offline features that make a view's images needless; empty: none does.
   std::string SufficientViewFeatures() const;
@@ -141,11 +157,7 @@ struct LoopCloserOptions {
     v("map_spacing_m", map_spacing_m);
     v("map_spacing_deg", map_spacing_deg);
     v("max_speed_mps", max_speed_mps);
-    v("max_point_error_px", max_point_error_px);
-    v("max_point_depth_m", max_point_depth_m);
-    v("point_sigma_floor", point_sigma_floor);
-    v("point_track_sigma_px", point_track_sigma_px);
-    v("point_sigma_max", point_sigma_max);
+    track_depths.Visit(v);
   }
   std::vector<std::string> Validate() const;
 };

@@ -1,4 +1,5 @@
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/hash.hpp"
 #include "deja_view/pipeline/loop_closer.hpp"
 
 #include <cmath>
@@ -20,28 +21,26 @@ namespace fs = std::filesystem;
 using test::MakeCloser;
 using test::SmallFlight;
 
-constexpr std::size_t kHead = 20;  // magic, version, checksum
+constexpr std::size_t kHead = 24;  // magic, version, 0, size of the body
+constexpr std::size_t kTail = 8;   // checksum of the body
 
 std::string ReadBytes(const fs::path& path) {
   std::ifstream stream(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// As the format says: 64-bit FNV-1a over 8-byte words, then bytes.
-std::string WithChecksum(std::string map) {
-  std::uint64_t hash = 0xcbf29ce484222325U;
-  std::size_t i = kHead;
-  for (; i + 8 <= map.size(); i += 8) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, map.data() + i, 8);
-    hash = (hash ^ word) * 0x100000001b3U;
-    hash ^= hash >> 29U;
-  }
-  for (; i < map.size(); ++i) {
-    hash = (hash ^ static_cast<std::uint8_t>(map[i])) * 0x100000001b3U;
-  }
-  std::memcpy(map.data() + 12, &hash, 8);
-  return map;
+std::string BodyOf(const std::string& map) {
+  return map.substr(kHead, map.size() - kHead - kTail);
+}
+
+/// The file of `body`, with the head of `map`.
+std::string WithBody(const std::string& map, const std::string& body) {
+  const std::uint64_t size = body.size();
+  const std::uint64_t hash = Hash64(body);
+  std::string file = map.substr(0, kHead) + body + std::string(kTail, '\0');
+  std::memcpy(file.data() + kHead - sizeof(size), &size, sizeof(size));
+  std::memcpy(file.data() + kHead + body.size(), &hash, sizeof(hash));
+  return file;
 }
 
 class MapIo : public testing::Test {
@@ -185,7 +184,7 @@ TEST_F(MapIo, NoticesEveryChangedByteOfTheHead) {
   for (std::size_t i = 0; i < kHead; ++i) {
     std::string damaged = map;
     damaged[i] = static_cast<char>(damaged[i] ^ 0x20);
-    ExpectRefused(damaged, i < 8 ? "magic" : i < 12 ? "version" : "checksum", &closer);
+    ExpectRefused(damaged, i < 8 ? "is not" : i < 16 ? "version" : "bytes of content", &closer);
   }
 }
 
@@ -201,29 +200,31 @@ TEST_F(MapIo, NoticesChangedBytesOfTheBody) {
 
 TEST_F(MapIo, NoticesAFileThatIsCutOrTooLong) {
   const std::string map = SmallMap();
+  const std::string body = BodyOf(map);
+  ASSERT_EQ(WithBody(map, body), map) << "the test knows the format";
   LoopCloser closer = WithOneKeyframe();
-  for (std::size_t size = 0; size < kHead; ++size) {
-    ExpectRefused(map.substr(0, size), "ends too early", &closer);
+  for (std::size_t size = 0; size < kHead + kTail; ++size) {
+    ExpectRefused(map.substr(0, size), "too few", &closer);
   }
-  for (std::size_t size = kHead; size < map.size(); size += 1009) {
-    ExpectRefused(map.substr(0, size), "checksum", &closer);
-    ExpectRefused(WithChecksum(map.substr(0, size)), "(at byte ", &closer);
+  for (std::size_t size = 0; size < body.size(); size += 1009) {
+    ExpectRefused(map.substr(0, kHead + kTail + size), "bytes of content", &closer);
+    ExpectRefused(WithBody(map, body.substr(0, size)), "(at byte ", &closer);
   }
-  ExpectRefused(map + '\0', "checksum", &closer);
-  ExpectRefused(WithChecksum(map + '\0'), "bytes follow", &closer);
-  ASSERT_EQ(WithChecksum(map), map) << "the test knows the checksum";
+  ExpectRefused(map + '\0', "bytes of content", &closer);
+  ExpectRefused(WithBody(map, body + '\0'), "bytes too many", &closer);
 }
 
 TEST_F(MapIo, SurvivesForgedFiles) {
   const std::string map = SmallMap();
+  const std::string body = BodyOf(map);
   std::mt19937 rng(1);
   int refused = 0;
   for (int run = 0; run < 150; ++run) {
     // The first kilobyte holds counts and poses, the rest mostly descriptors.
-    const std::size_t range = run % 3 == 0 ? map.size() - kHead : 256;
-    std::string forged = map;
-    forged[kHead + rng() % range] = static_cast<char>(rng() % 256);
-    WriteMap(WithChecksum(forged));
+    const std::size_t range = run % 3 == 0 ? body.size() : 256;
+    std::string forged = body;
+    forged[rng() % range] = static_cast<char>(rng() % 256);
+    WriteMap(WithBody(map, forged));
     LoopCloser closer = MakeCloser(1);
     try {
       closer.Load(directory_);

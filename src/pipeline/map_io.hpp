@@ -1,0 +1,42 @@
+#pragma once
+
+#include "deja_view/camera/camera.hpp"
+#include "deja_view/pipeline/loop_closer_types.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "keyframe_map.hpp"
+#include "view_shelf.hpp"
+
+namespace deja_view {
+
+/// What a map's features were made with; a map fits no other.
+struct MapMaker {
+  std::string descriptor_name;
+  const Camera& camera;
+};
+
+/// A map as read from its file.
+struct LoadedMap {
+  KeyframeMap keyframes;
+  std::vector<LoopReport> loops;  ///< of the graph, in its order
+  ViewShelf::Views views;
+};
+
+/// Writes a map to `directory`/map.dvm, whole or not at all. `loops` are those of the graph, in its
+/// order. Throws InputError when it can't be written.
+void WriteMap(const std::filesystem::path& directory,
+              const MapMaker& maker,
+              const KeyframeMap& keyframes,
+              const std::vector<LoopReport>& loops,
+              const ViewShelf::Views& views);
+
+/// Throws InputError, naming file and field, for a file that is no map, damaged, or of another
+/// maker.
+LoadedMap ReadMap(const std::filesystem::path& directory,
+                  const MapMaker& maker,
+                  const PoseGraphOptions& options);
+
+}  // namespace deja_view

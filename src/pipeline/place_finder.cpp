@@ -1,0 +1,190 @@
+#include "place_finder.hpp"
+
+#include "deja_view/base/check.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace deja_view {
+namespace {
+
+constexpr int kRealImage = 0;
+
+int TagOf(int view) {
+  return view + 1;
+}
+
+}  // namespace
+
+PlaceFinder::PlaceFinder(const PlaceDatabaseOptions& place,
+                         const ScoringOptions& scoring,
+                         const CandidateOptions& candidates,
+                         std::shared_ptr<const Vocabulary> vocabulary)
+    : place_options_(place),
+      scoring_(scoring),
+      options_(candidates),
+      vocabulary_(std::move(vocabulary)),
+      places_(place_options_, vocabulary_) {
+  if (scoring_.is_on) {
+    scored_.emplace(scoring_, vocabulary_);
+  }
+  empty_bytes_ = memory_bytes();
+}
+
+ImageWords PlaceFinder::Words(const std::vector<Descriptor>& descriptors) const {
+  ImageWords words;
+  words.bow = Bag(descriptors);
+  if (scored_) {
+    words.weighted = scored_->Weigh(words.bow);
+  }
+  return words;
+}
+
+void PlaceFinder::Index(int keyframe, const BowVector& bow, int tag) {
+  places_.Add(keyframe, bow, tag);
+  if (scored_) {
+    scored_->Add(keyframe, bow, tag);
+  }
+  (tag == kRealImage ? place_words_ : view_words_) += bow.entries.size();
+}
+
+void PlaceFinder::Add(int keyframe, int sequence, std::int64_t stamp_ns, const BowVector& bow) {
+  DEJA_VIEW_CHECK(entries_.empty() || entries_.back().keyframe < keyframe);
+  Index(keyframe, bow, kRealImage);
+  entries_.push_back({keyframe, sequence, stamp_ns});
+}
+
+void PlaceFinder::AddView(int keyframe, int view, const BowVector& bow) {
+  Index(keyframe, bow, TagOf(view));
+}
+
+void PlaceFinder::RemoveView(int keyframe, int view) {
+  places_.Remove(keyframe, TagOf(view));
+  if (scored_) {
+    scored_->Remove(keyframe, TagOf(view));
+  }
+}
+
+void PlaceFinder::Clear() {
+  places_ = PlaceDatabase(place_options_, vocabulary_);
+  if (scored_) {
+    scored_->Clear();
+  }
+  entries_.clear();
+  predecessors_.clear();
+  place_words_ = view_words_ = 0;
+}
+
+int PlaceFinder::NewestOldEnough(const PlaceQuestion& question) const {
+  const auto min_age_ns = static_cast<std::int64_t>(options_.min_age_s * 1e9);
+  const auto it = std::find_if(entries_.rbegin(), entries_.rend(), [&](const Entry& entry) {
+    return entry.sequence != question.sequence || question.stamp_ns - entry.stamp_ns >= min_age_ns;
+  });
+  return it == entries_.rend() ? -1 : it->keyframe;
+}
+
+RetrievedPlace PlaceFinder::Retrieved(int keyframe, double score) const {
+  const auto it = std::lower_bound(
+      entries_.begin(), entries_.end(), keyframe, [](const Entry& entry, int wanted) {
+        return entry.keyframe < wanted;
+      });
+  DEJA_VIEW_CHECK(it != entries_.end() && it->keyframe == keyframe);
+  return {keyframe, score, it->sequence, it->stamp_ns};
+}
+
+// The most similar keyframes, each as similar as the most similar of its images.
+std::vector<RetrievedPlace> PlaceFinder::RetrieveFast(const ImageWords& words,
+                                                      int newest,
+                                                      std::optional<BestPlace>* best) const {
+  PlaceQuery query;
+  query.max_results = options_.retrieved;
+  query.max_id = newest;
+  query.min_score = options_.min_score;
+  query.best_per_id = true;
+  std::vector<RetrievedPlace> retrieved;
+  for (const PlaceMatch& match : places_.Query(words.bow, query)) {
+    retrieved.push_back(Retrieved(match.id, match.score));
+  }
+  if (!retrieved.empty()) {
+    *best = BestPlace{retrieved.front().keyframe, retrieved.front().score};
+  }
+  return retrieved;
+}
+
+std::vector<RetrievedPlace> PlaceFinder::RetrieveScored(const ImageWords& words,
+                                                        int newest,
+                                                        std::optional<BestPlace>* best) const {
+  std::vector<RetrievedPlace> retrieved;
+  for (const ScoredPlace& place :
+       scored_->Query(words.weighted, newest, static_cast<std::size_t>(scoring_.neighbours))) {
+    retrieved.push_back(Retrieved(place.id, place.score));
+  }
+  const double own = OwnScore(words.weighted);
+  std::vector<RetrievedPlace> passed;
+  for (const auto& island : GroupIntoIslands(retrieved, options_.island_gap_s)) {
+    std::vector<double> scores;
+    scores.reserve(island.size());
+    for (const RetrievedPlace& place : island) {
+      scores.push_back(place.score);
+    }
+    const double score = ThresholdScore(scores, scoring_.threshold, own);
+    if (!*best || score > (*best)->score) {
+      *best = BestPlace{island.front().keyframe, score};
+    }
+    if (score >= scoring_.r) {
+      passed.insert(passed.end(), island.begin(), island.end());
+    }
+  }
+  return passed;
+}
+
+double PlaceFinder::OwnScore(const WeightedBow& words) const {
+  double best = 0;
+  for (const WeightedBow& predecessor : predecessors_) {
+    best = std::max(best, CosineSimilarity(words, predecessor));
+  }
+  return best;
+}
+
+void PlaceFinder::Pass(ImageWords words) {
+  constexpr std::size_t kPredecessors = 3;
+  if (scored_) {
+    predecessors_.push_back(std::move(words.weighted));
+    if (predecessors_.size() > kPredecessors) {
+      predecessors_.pop_front();
+    }
+  }
+}
+
+FoundPlaces PlaceFinder::Find(const PlaceQuestion& question, const ImageWords& words) const {
+  FoundPlaces found;
+  const int newest = NewestOldEnough(question);
+  if (newest < 0) {
+    return found;
+  }
+  std::vector<RetrievedPlace> retrieved = scored_ ? RetrieveScored(words, newest, &found.best)
+                                                  : RetrieveFast(words, newest, &found.best);
+  std::vector<NearbyPlace> old_enough;
+  std::copy_if(question.around.begin(),
+               question.around.end(),
+               std::back_inserter(old_enough),
+               [&](const NearbyPlace& place) { return place.keyframe <= newest; });
+  found.candidates = MergeCandidates(CandidatesFromIslands(std::move(retrieved), options_),
+                                     CandidatesNearby(old_enough, question.here, options_),
+                                     question.is_localised,
+                                     options_);
+  return found;
+}
+
+std::size_t PlaceFinder::memory_bytes() const {
+  return places_.memory_bytes() + (scored_ ? scored_->memory_bytes() : 0);
+}
+
+std::size_t PlaceFinder::view_memory_bytes() const {
+  const double words = static_cast<double>(place_words_ + view_words_);
+  const double share = words > 0 ? static_cast<double>(view_words_) / words : 0.0;
+  const std::size_t grown = memory_bytes() - std::min(memory_bytes(), empty_bytes_);
+  return static_cast<std::size_t>(share * static_cast<double>(grown));
+}
+
+}  // namespace deja_view

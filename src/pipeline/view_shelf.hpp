@@ -1,0 +1,86 @@
+#pragma once
+
+#include "deja_view/features/feature_extractor.hpp"
+#include "deja_view/pipeline/loop_closer_options.hpp"
+#include "deja_view/pipeline/loop_closer_types.hpp"
+#include "deja_view/verification/loop_verifier.hpp"
+#include "deja_view/views/virtual_view.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "camera_table.hpp"
+#include "keyframe_map.hpp"
+#include "place_finder.hpp"
+#include "stored_view.hpp"
+
+namespace deja_view {
+
+/// The virtual views of places, from their arrival to the index: those that wait for their
+/// keyframe, and the best of each keyframe that came.
+class ViewShelf {
+ public:
+  /// Keyframe and its views, in the order of keeping.
+  using Views = std::map<int, std::vector<StoredView>>;
+
+  /// `verifier` and `places` outlive the shelf; the views kept are always those that `places` has.
+  ViewShelf(const VirtualViewOptions& options,
+            const FeatureOptions& features,
+            const LoopVerifier* verifier,
+            PlaceFinder* places);
+
+  /// Puts a view to its keyframe, or lets it wait for it. Throws InputError, and counts it, for a
+  /// view that can't be used.
+  ViewOutcome Add(const VirtualView& view, const KeyframeMap& keyframes);
+
+  /// Puts the views that waited for `keyframe` to it.
+  void AttachWaiting(int keyframe, const KeyframeMap& keyframes);
+
+  /// Begins anew with a loaded map's views: first Clear, then Restore for each place in order.
+  /// Waiting views stay.
+  void Clear();
+  void Restore(int keyframe, std::vector<StoredView> views);
+
+  const std::vector<StoredView>& Of(int keyframe) const;
+  const Views& kept() const { return kept_; }
+  /// The keyframe's views as cameras of a rig around its own, in their order.
+  std::vector<RigCamera> RigOf(int keyframe, const Rigid3& T_B_C) const;
+
+  const ViewCounts& counts() const { return counts_; }
+  /// Heap memory [bytes] of the views kept, without their part of the index.
+  std::size_t memory_bytes() const { return bytes_; }
+
+ private:
+  struct Waiting {
+    std::int64_t stamp_ns = 0;
+    StoredView view;
+  };
+
+  ViewOutcome TryToAdd(const VirtualView& view, const KeyframeMap& keyframes);
+  ViewOutcome Attach(int keyframe, StoredView view, const KeyframeMap& keyframes);
+  ViewOutcome Count(ViewOutcome outcome);
+  void Keep(int keyframe, StoredView view);
+  void Drop(int keyframe, std::size_t i);
+  bool AgreesWithSource(const KeyframeFeatures& source, const StoredView& view) const;
+  double SimilarityToSource(const KeyframeFeatures& source, const StoredView& view) const;
+  std::optional<std::size_t> FindSurpassed(const KeyframeFeatures& source,
+                                           std::vector<StoredView>* views,
+                                           StoredView* view) const;
+
+  VirtualViewOptions options_;
+  std::unique_ptr<FeatureExtractor> extractor_;
+  const LoopVerifier* verifier_;
+  PlaceFinder* places_;
+  CameraTable cameras_;
+  std::deque<Waiting> waiting_;  ///< the oldest first
+  Views kept_;
+  ViewCounts counts_;
+  std::size_t bytes_ = 0;
+};
+
+}  // namespace deja_view
