@@ -53,24 +53,6 @@ KeyframeInput AssembledKeyframe::ToInput() const {
   return input;
 }
 
-std::string ToString(DropReason reason) {
-  switch (reason) {
-    case DropReason::kMissingImage:
-      return "missing_image";
-    case DropReason::kMissingPoints:
-      return "missing_points";
-    case DropReason::kDuplicate:
-      return "duplicate";
-    case DropReason::kStrayStamp:
-      return "stray_stamp";
-    case DropReason::kOverflow:
-      return "overflow";
-    case DropReason::kUnmatched:
-      return "unmatched";
-  }
-  return "unknown";
-}
-
 KeyframeAssembler::KeyframeAssembler(const KeyframeAssemblerOptions& options,
                                      KeyframeCallback on_keyframe,
                                      DropCallback on_drop)
