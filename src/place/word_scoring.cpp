@@ -7,7 +7,7 @@
 #include <numeric>
 #include <utility>
 
-#include "synonym_sums.hpp"
+#include "kernels.hpp"
 
 namespace deja_view {
 namespace {
@@ -69,7 +69,7 @@ std::vector<double> SynonymKernel::Average(const WeightedBow& bow,
   for (const WeightedWord& w : bow) {
     centroids.push_back(vocabulary_->Centroid(w.word));
   }
-  auto [sums, totals] = internal::AvailableSumSynonyms().front()(centroids, values, weights_);
+  auto [sums, totals] = internal::SumSynonyms(centroids, values, weights_);
   for (std::size_t i = 0; i < bow.size(); ++i) {
     sums[i] /= totals[i];
   }

@@ -55,7 +55,7 @@ WeightedBow TfIdf(const BowVector& bow, const std::function<double(WordId)>& idf
 ///
 /// The weights ask for k among the words of one image only, some hundreds, which are compared when
 /// they are needed: 0.3 ms for 700 words. A table of a vocabulary's pairs would make that 0.1 ms,
-/// but cost 19 MB and 5 s (see synonym_sums.cpp). Const methods may be called from several threads.
+/// but cost 19 MB and 5 s (see SumSynonyms). Const methods may be called from several threads.
 class SynonymKernel {
  public:
   SynonymKernel(std::shared_ptr<const Vocabulary> vocabulary, int radius, double sigma);
