@@ -18,6 +18,19 @@ function(deja_view_module name)
   set_property(GLOBAL APPEND PROPERTY DEJA_VIEW_MODULES ${target})
 endfunction()
 
+# deja_view_highway(TARGET): compiles its kernels, whose files lie in the current folder, once per instruction set where
+# Highway is found; without it they are plain code. Tests and benchmarks that choose among the sets need it, too.
+function(deja_view_highway target)
+  if(NOT TARGET hwy::hwy OR NOT TARGET ${target})
+    return()
+  endif()
+  # Highway compiles for these instruction sets only when asked to.
+  target_compile_definitions(${target} PRIVATE DEJA_VIEW_HAVE_HIGHWAY HWY_WANT_SSSE3 HWY_WANT_SSE4 HWY_WANT_AVX3_DL)
+  target_link_libraries(${target} PRIVATE hwy::hwy)
+  # Highway includes the kernel again for every instruction set.
+  target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+endfunction()
+
 # deja_view_unit_test(MODULE SOURCES file... [MODULES module...] [LINK library...])
 #
 # One test program per module, MODULE_test, from *_test.cpp in the folder below test/unit that has the module's place

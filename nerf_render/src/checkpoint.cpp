@@ -1,44 +1,28 @@
 #include "deja_view/nerf/checkpoint.hpp"
 
-#include "deja_view/base/atomic_file.hpp"
-#include "deja_view/base/check.hpp"
+#include "deja_view/base/binary_stream.hpp"
+#include "deja_view/base/requirements.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <utility>
-
-#include "model_stream.hpp"
 
 namespace deja_view::nerf {
 namespace {
 
-using internal::Header;
-using internal::kCellsVersion;
-using internal::kFrameVersion;
-using internal::kMagic;
-using internal::kVersion;
-using internal::Reader;
-using internal::Writer;
+constexpr BinaryFormat kFormat{{'D', 'V', 'N', 'E', 'R', 'F', '\r', '\n'}, 5, "a NeRF model"};
 
 template <typename Floats>
-void WriteFloats(const Floats& values, Writer* writer) {
-  writer->Value(static_cast<std::uint64_t>(values.size()));
-  writer->Bytes(values.data(), values.size() * sizeof(float));
-}
-
-template <typename Floats>
-void ReadFloats(const char* what, Reader* reader, Floats* values) {
-  const auto size = reader->Value<std::uint64_t>();
+void ReadFloats(const char* what, BinaryReader* reader, Floats* values) {
+  const auto size = reader->Read<std::uint64_t>(what);
   if (size != values->size()) {
-    ThrowInputError(
-        "{}: {} {} parameters, expected {}", reader->path(), size, what, values->size());
+    reader->Fail(what, fmt::format("{} parameters, expected {}", size, values->size()));
   }
-  reader->Bytes(values->data(), values->size() * sizeof(float));
+  reader->ReadBytes(values->data(), values->size() * sizeof(float), what);
   if (!std::all_of(values->data(), values->data() + values->size(), [](float v) {
         return std::isfinite(v);
       })) {
-    ThrowInputError("{}: {} parameters are not finite", reader->path(), what);
+    reader->Fail(what, "parameters that are not finite");
   }
 }
 
@@ -63,206 +47,185 @@ std::uint64_t LeastBytes(const FieldOptions& options, const Eigen::Vector3d& ext
   return values * sizeof(float) + static_cast<std::uint64_t>(voxels / 8);
 }
 
-void ReadExposures(Reader* reader, RadianceField* field) {
-  const auto count = reader->Value<std::uint64_t>();
+void WriteExposures(const std::vector<Exposure>& exposures, BinaryWriter* writer) {
+  writer->Write(static_cast<std::uint64_t>(exposures.size()));
+  for (const Exposure& exposure : exposures) {
+    writer->Write(static_cast<std::uint32_t>(exposure.image.size()));
+    writer->WriteBytes(exposure.image.data(), exposure.image.size());
+    writer->Write(exposure.stamp_ns);
+    writer->Write(exposure.gain);
+    writer->Write(exposure.bias);
+    writer->WriteBytes(exposure.latent.data(), exposure.latent.size() * sizeof(float));
+  }
+}
+
+void ReadExposures(BinaryReader* reader, RadianceField* field) {
+  const auto count = reader->Read<std::uint64_t>("number of images");
   for (std::uint64_t i = 0; i < count; ++i) {
     Exposure exposure;
-    const auto length = reader->Value<std::uint32_t>();
+    const auto length = reader->Read<std::uint32_t>("image name");
     if (length > reader->left()) {
-      ThrowInputError("{}: name of image {} is longer than the file", reader->path(), i);
+      reader->Fail("image name", "longer than the file");
     }
     exposure.image.resize(length);
-    reader->Bytes(exposure.image.data(), length);
-    exposure.stamp_ns = reader->Value<std::int64_t>();
-    exposure.gain = reader->Value<float>();
-    exposure.bias = reader->Value<float>();
+    reader->ReadBytes(exposure.image.data(), length, "image name");
+    exposure.stamp_ns = reader->Read<std::int64_t>("image stamp");
+    exposure.gain = reader->Read<float>("image gain");
+    exposure.bias = reader->Read<float>("image bias");
     exposure.latent.resize(static_cast<std::size_t>(field->options.latent_size));
-    reader->Bytes(exposure.latent.data(), exposure.latent.size() * sizeof(float));
+    reader->ReadBytes(
+        exposure.latent.data(), exposure.latent.size() * sizeof(float), "image latent code");
     field->exposures.push_back(std::move(exposure));
   }
 }
 
-void ReadCells(Reader* reader, SceneCells* cells) {
-  cells->index = reader->Value<std::int32_t>();
-  const auto count = reader->Value<std::uint32_t>();
-  const bool is_none = count == 0 && cells->index == 0 && reader->version() > kCellsVersion;
-  if (is_none) {
-    return;
-  }
-  if (count == 0 || count > reader->left() / (6 * sizeof(double)) || cells->index < 0 ||
-      static_cast<std::uint32_t>(cells->index) >= count) {
-    ThrowInputError("{}: sub-map {} of {} makes no sense", reader->path(), cells->index, count);
-  }
-  cells->cells.resize(count);
-  for (SceneCell& cell : cells->cells) {
-    cell.Visit(*reader);
-    if (!(cell.max.array() > cell.min.array()).all()) {
-      ThrowInputError("{}: a sub-map's cell is empty", reader->path());
-    }
-  }
-}
-
-void ReadFrame(Reader* reader, FieldFrame* frame) {
-  frame->is_known = reader->Value<bool>();
-  Similarity3& W_N = frame->W_N;
-  W_N.scale = reader->Value<double>();
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    W_N.T_A_B.t[i] = reader->Value<double>();
-  }
-  for (Eigen::Index i = 0; i < 4; ++i) {
-    W_N.T_A_B.q.coeffs()[i] = reader->Value<double>();
-  }
-  constexpr double kTolerance = 1e-6;
-  if (!(W_N.scale > 0) || !std::isfinite(W_N.scale) || !W_N.T_A_B.IsFinite() ||
-      !(std::abs(W_N.T_A_B.q.norm() - 1) < kTolerance)) {
-    ThrowInputError("{}: its frame (scale {}) makes no sense", reader->path(), W_N.scale);
-  }
-}
-
-void WriteFrame(const FieldFrame& frame, Writer* writer) {
-  writer->Value(static_cast<std::uint8_t>(frame.is_known));
-  writer->Value(frame.W_N.scale);
-  for (const double v : frame.W_N.T_A_B.t) {
-    writer->Value(v);
-  }
-  for (const double v : frame.W_N.T_A_B.q.coeffs()) {
-    writer->Value(v);
-  }
-}
-
-std::uint32_t VersionOf(const RadianceField& field) {
-  if (!field.frame.IsWorld()) {
-    return kFrameVersion;
-  }
-  return field.cells.IsCut() ? kCellsVersion : kVersion;
-}
-
-void WriteCells(const SceneCells& cells, Writer* writer) {
-  writer->Value(static_cast<std::int32_t>(cells.index));
-  writer->Value(static_cast<std::uint32_t>(cells.cells.size()));
+void WriteCells(const SceneCells& cells, BinaryWriter* writer) {
+  writer->Write(static_cast<std::int32_t>(cells.index));
+  writer->Write(static_cast<std::uint32_t>(cells.cells.size()));
   for (SceneCell cell : cells.cells) {
     cell.Visit(*writer);
   }
 }
 
-void WriteBody(const RadianceField& field, Writer* writer) {
+void ReadCells(BinaryReader* reader, SceneCells* cells) {
+  cells->index = reader->Read<std::int32_t>("sub-map");
+  const auto count = reader->Read<std::uint32_t>("number of sub-maps");
+  if (count == 0 && cells->index == 0) {
+    return;  // a scene in one piece
+  }
+  if (count > reader->left() / (6 * sizeof(double)) || cells->index < 0 ||
+      static_cast<std::uint32_t>(cells->index) >= count) {
+    reader->Fail("sub-map", fmt::format("{} of {} makes no sense", cells->index, count));
+  }
+  cells->cells.resize(count);
+  for (SceneCell& cell : cells->cells) {
+    cell.Visit(*reader);
+    if (!(cell.max.array() > cell.min.array()).all()) {
+      reader->Fail("sub-map", "a cell that is empty");
+    }
+  }
+}
+
+void WriteFrame(const FieldFrame& frame, BinaryWriter* writer) {
+  writer->Write(frame.is_known);
+  writer->Write(frame.W_N.scale);
+  for (const double v : frame.W_N.T_A_B.t) {
+    writer->Write(v);
+  }
+  for (const double v : frame.W_N.T_A_B.q.coeffs()) {
+    writer->Write(v);
+  }
+}
+
+void ReadFrame(BinaryReader* reader, FieldFrame* frame) {
+  frame->is_known = reader->Read<bool>("frame is known");
+  Similarity3& W_N = frame->W_N;
+  W_N.scale = reader->Read<double>("frame");
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    W_N.T_A_B.t[i] = reader->Read<double>("frame");
+  }
+  for (Eigen::Index i = 0; i < 4; ++i) {
+    W_N.T_A_B.q.coeffs()[i] = reader->Read<double>("frame");
+  }
+  constexpr double kTolerance = 1e-6;
+  if (!(W_N.scale > 0) || !std::isfinite(W_N.scale) || !W_N.T_A_B.IsFinite() ||
+      !(std::abs(W_N.T_A_B.q.norm() - 1) < kTolerance)) {
+    reader->Fail("frame", fmt::format("(scale {}) makes no sense", W_N.scale));
+  }
+}
+
+void WriteBody(const RadianceField& field, BinaryWriter* writer) {
   FieldOptions options = field.options;
   MarchOptions march = field.march;
   options.Visit(*writer);
   march.Visit(*writer);
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    writer->Value(field.box.min[axis]);
-    writer->Value(field.box.max[axis]);
+    writer->Write(field.box.min[axis]);
+    writer->Write(field.box.max[axis]);
   }
-  writer->Value(static_cast<std::int32_t>(field.channels));
-  WriteFloats(field.geometry.parameters(), writer);
-  WriteFloats(field.appearance.parameters(), writer);
-  WriteFloats(field.density.parameters(), writer);
-  WriteFloats(field.color.parameters(), writer);
-  WriteFloats(field.background.parameters(), writer);
-  WriteFloats(field.background_color.parameters(), writer);
-  writer->Value(static_cast<std::uint64_t>(field.occupancy.words().size()));
-  writer->Bytes(field.occupancy.words().data(), field.occupancy.words().size() * 8);
-  writer->Value(static_cast<std::uint64_t>(field.exposures.size()));
-  for (const Exposure& exposure : field.exposures) {
-    writer->Value(static_cast<std::uint32_t>(exposure.image.size()));
-    writer->Bytes(exposure.image.data(), exposure.image.size());
-    writer->Value(exposure.stamp_ns);
-    writer->Value(exposure.gain);
-    writer->Value(exposure.bias);
-    writer->Bytes(exposure.latent.data(), exposure.latent.size() * sizeof(float));
-  }
+  writer->Write(static_cast<std::int32_t>(field.channels));
+  writer->WriteAll(field.geometry.parameters());
+  writer->WriteAll(field.appearance.parameters());
+  writer->WriteAll(field.density.parameters());
+  writer->WriteAll(field.color.parameters());
+  writer->WriteAll(field.background.parameters());
+  writer->WriteAll(field.background_color.parameters());
+  writer->WriteAll(field.occupancy.words());
+  WriteExposures(field.exposures, writer);
   for (const float k : field.vignetting.k) {
-    writer->Value(k);
+    writer->Write(k);
   }
-  writer->Value(field.progress);
-  const std::uint32_t version = VersionOf(field);
-  if (version >= kCellsVersion) {
-    WriteCells(field.cells, writer);
+  writer->Write(field.progress);
+  WriteCells(field.cells, writer);
+  WriteFrame(field.frame, writer);
+}
+
+// Options and box, which say how large the rest is.
+RadianceField ReadHead(BinaryReader* reader) {
+  const std::uint64_t size = reader->left();
+  FieldOptions options;
+  MarchOptions march;
+  SceneBox box;
+  options.Visit(*reader);
+  march.Visit(*reader);
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    box.min[axis] = reader->Read<double>("box");
+    box.max[axis] = reader->Read<double>("box");
   }
-  if (version >= kFrameVersion) {
-    WriteFrame(field.frame, writer);
+  const auto channels = reader->Read<std::int32_t>("channels");
+  RejectAny(options.Validate(), reader->path().c_str());
+  if (!box.min.allFinite() || !box.max.allFinite() || !(box.max.array() > box.min.array()).all()) {
+    reader->Fail("box", "makes no sense");
   }
+  if (channels != 1 && channels != 3) {
+    reader->Fail("channels", "neither 1 nor 3");
+  }
+  if (LeastBytes(options, (box.max - box.min) / box.Size()) > size) {
+    reader->Fail("parameters", "the file is too short for the model it describes");
+  }
+  return {options, march, box, channels, 0};
+}
+
+void ReadParameters(BinaryReader* reader, RadianceField* field) {
+  ReadFloats("geometry", reader, &field->geometry.parameters());
+  ReadFloats("appearance", reader, &field->appearance.parameters());
+  ReadFloats("density network", reader, &field->density.parameters());
+  ReadFloats("colour network", reader, &field->color.parameters());
+  ReadFloats("background", reader, &field->background.parameters());
+  ReadFloats("background network", reader, &field->background_color.parameters());
+  field->background_color.UpdateTranspose();
+  field->density.UpdateTranspose();
+  field->color.UpdateTranspose();
+  auto words = reader->ReadAll<std::uint64_t>("occupancy");
+  if (words.size() != field->occupancy.words().size()) {
+    reader->Fail(
+        "occupancy",
+        fmt::format("{} words, expected {}", words.size(), field->occupancy.words().size()));
+  }
+  field->occupancy.SetWords(std::move(words));
 }
 
 }  // namespace
 
 void WriteField(const std::filesystem::path& path, const RadianceField& field) {
-  Writer counter(nullptr);
-  WriteBody(field, &counter);
-  const Header header{kMagic, VersionOf(field), 0, counter.size()};
-  WriteFileAtomically(path, [&](std::ostream& out) {
-    char raw[sizeof(Header)];
-    std::memcpy(raw, &header, sizeof(Header));
-    out.write(raw, sizeof(Header));
-    Writer writer(&out);
-    WriteBody(field, &writer);
-    const std::uint64_t checksum = writer.checksum();
-    char tail[sizeof(checksum)];
-    std::memcpy(tail, &checksum, sizeof(checksum));
-    out.write(tail, sizeof(tail));
-  });
+  WriteBinaryFile(path, kFormat, [&](BinaryWriter* writer) { WriteBody(field, writer); });
 }
 
 RadianceField ReadField(const std::filesystem::path& path) {
-  Reader reader(path);
-  const std::uint64_t size = reader.left();
-  FieldOptions options;
-  MarchOptions march;
-  SceneBox box;
-  options.Visit(reader);
-  march.Visit(reader);
-  for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    box.min[axis] = reader.Value<double>();
-    box.max[axis] = reader.Value<double>();
-  }
-  const auto channels = reader.Value<std::int32_t>();
-  const std::vector<std::string> violations = options.Validate();
-  if (!violations.empty()) {
-    ThrowInputError("{}: {}", path.string(), violations.front());
-  }
-  if (!box.min.allFinite() || !box.max.allFinite() || !(box.max.array() > box.min.array()).all() ||
-      (channels != 1 && channels != 3)) {
-    ThrowInputError("{}: its box or its {} channels make no sense", path.string(), channels);
-  }
-  if (LeastBytes(options, (box.max - box.min) / box.Size()) > size) {
-    ThrowInputError("{}: is too short for the model it describes", path.string());
-  }
-  RadianceField field(options, march, box, channels, 0);
-  ReadFloats("geometry", &reader, &field.geometry.parameters());
-  ReadFloats("appearance", &reader, &field.appearance.parameters());
-  ReadFloats("density network", &reader, &field.density.parameters());
-  ReadFloats("colour network", &reader, &field.color.parameters());
-  ReadFloats("background", &reader, &field.background.parameters());
-  ReadFloats("background network", &reader, &field.background_color.parameters());
-  field.background_color.UpdateTranspose();
-  field.density.UpdateTranspose();
-  field.color.UpdateTranspose();
-  const auto word_count = reader.Value<std::uint64_t>();
-  if (word_count != field.occupancy.words().size()) {
-    ThrowInputError("{}: {} occupancy words, expected {}",
-                    path.string(),
-                    word_count,
-                    field.occupancy.words().size());
-  }
-  std::vector<std::uint64_t> words(word_count);
-  reader.Bytes(words.data(), word_count * 8);
-  field.occupancy.SetWords(std::move(words));
+  BinaryReader reader(path, kFormat);
+  RadianceField field = ReadHead(&reader);
+  ReadParameters(&reader, &field);
   ReadExposures(&reader, &field);
   for (float& k : field.vignetting.k) {
-    k = reader.Value<float>();
+    k = reader.Read<float>("vignetting");
   }
-  field.progress = reader.Value<float>();
-  if (reader.version() >= kCellsVersion) {
-    ReadCells(&reader, &field.cells);
-  }
-  if (reader.version() >= kFrameVersion) {
-    ReadFrame(&reader, &field.frame);
-  }
-  reader.Finish();
+  field.progress = reader.Read<float>("progress");
   if (!(field.progress >= 0 && field.progress <= 1)) {
-    ThrowInputError("{}: its progress {} is not in [0, 1]", path.string(), field.progress);
+    reader.Fail("progress", "not in [0, 1]");
   }
+  ReadCells(&reader, &field.cells);
+  ReadFrame(&reader, &field.frame);
+  reader.Finish();
   return field;
 }
 

@@ -1,10 +1,10 @@
 #include "deja_view/nerf/feature_grid.hpp"
 
+#include "deja_view/base/random.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-
-#include "random.hpp"
 
 namespace deja_view::nerf {
 namespace {
@@ -47,9 +47,9 @@ FeatureGrid::FeatureGrid(const GridOptions& options,
   }
   outputs_ = options.levels * options.features;
   parameters_ = FloatArray(offset);
-  internal::Random random(seed, 0);
+  Random random(seed, 0);
   for (std::size_t i = 0; i < offset; ++i) {
-    parameters_[i] = (random.Uniform() - 0.5F) * 2e-4F;
+    parameters_[i] = (random.UniformFloat() - 0.5F) * 2e-4F;
   }
 }
 

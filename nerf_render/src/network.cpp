@@ -1,8 +1,8 @@
 #include "deja_view/nerf/network.hpp"
 
-#include <cmath>
+#include "deja_view/base/random.hpp"
 
-#include "random.hpp"
+#include <cmath>
 
 namespace deja_view::nerf {
 namespace {
@@ -14,7 +14,7 @@ int Padded(int size) {
 }  // namespace
 
 Network::Network(const std::vector<int>& sizes, std::uint64_t seed) {
-  internal::Random random(seed, 1);
+  Random random(seed, 1);
   for (std::size_t l = 0; l + 1 < sizes.size(); ++l) {
     const LayerShape shape{Padded(sizes[l]), Padded(sizes[l + 1])};
     const auto stride = static_cast<std::size_t>(shape.outputs);
@@ -26,7 +26,7 @@ Network::Network(const std::vector<int>& sizes, std::uint64_t seed) {
     for (int i = 0; i < sizes[l]; ++i) {
       for (int o = 0; o < sizes[l + 1]; ++o) {
         parameters_[offsets.weights + static_cast<std::size_t>(i) * stride +
-                    static_cast<std::size_t>(o)] = (2 * random.Uniform() - 1) * range;
+                    static_cast<std::size_t>(o)] = (2 * random.UniformFloat() - 1) * range;
       }
     }
     layers_.push_back(shape);

@@ -1,10 +1,9 @@
 #include "occupancy_update.hpp"
 
 #include "deja_view/base/parallel.hpp"
+#include "deja_view/base/random.hpp"
 
 #include <algorithm>
-
-#include "random.hpp"
 
 namespace deja_view::nerf::internal {
 namespace {
@@ -154,9 +153,9 @@ void OccupancyUpdate::Run(const Kernels& kernels,
               const bool due = (random.Next() >> 60U) == 0 || grid.IsOccupied(i) || full;
               const bool look = due && (open_[block] >> (i % 64) & 1U) != 0;
               const std::array<int, 3> at = grid.Cell(i);
-              const float u = random.Uniform();
-              const float v = random.Uniform();
-              const float w = random.Uniform();
+              const float u = random.UniformFloat();
+              const float v = random.UniformFloat();
+              const float w = random.UniformFloat();
               if (look) {
                 cells.push_back(i);
                 x.push_back(std::min(extent.x(), (static_cast<float>(at[0]) + u) * cell));

@@ -1,11 +1,10 @@
 #include "ray_batch.hpp"
 
 #include "deja_view/base/parallel.hpp"
+#include "deja_view/base/random.hpp"
 
 #include <algorithm>
 #include <cmath>
-
-#include "random.hpp"
 
 namespace deja_view::nerf::internal {
 
@@ -85,7 +84,7 @@ void RayBatch::Draw(const RadianceField& field,
     const DepthPoint& point = view.points[ref.point];
     const int x = std::clamp(static_cast<int>(std::lround(point.u)), 0, view.image.cols - 1);
     const int y = std::clamp(static_cast<int>(std::lround(point.v)), 0, view.image.rows - 1);
-    AddRay(field, images, ref.view, x, y, random.Uniform(), rays, targets);
+    AddRay(field, images, ref.view, x, y, random.UniformFloat(), rays, targets);
     targets->back().range = point.range / static_cast<float>(field.box.Size());
   }
   while (rays->size() < kChunk) {
@@ -97,7 +96,8 @@ void RayBatch::Draw(const RadianceField& field,
     const auto y0 =
         static_cast<int>(random.Index(static_cast<std::uint32_t>(view.image.rows - patch + 1)));
     for (int i = 0; i < patch * patch && rays->size() < kChunk; ++i) {
-      AddRay(field, images, v, x0 + i % patch, y0 + i / patch, random.Uniform(), rays, targets);
+      AddRay(
+          field, images, v, x0 + i % patch, y0 + i / patch, random.UniformFloat(), rays, targets);
     }
   }
 }

@@ -46,7 +46,7 @@ struct LossGradient {
 /// depth point also
 ///   depth_weight Sum w_i (min(1, ((t_i - range) / s)^2) - 1),  s = 3 % of the range,
 /// which draws weight to the point and, being bounded, forgives a wrong point; and for all rays
-///   distortion_weight (Sum_ij w_i w_j |t_i - t_j| + 1/3 Sum w_i^2 dt_i)   (Mip-NeRF 360, Eq. 15).
+///   distortion_weight (Sum_ij w_i w_j |t_i - t_j| + 1/3 Sum w_i^2 dt_i)   (Mip-NeRF 360, eq. 15).
 /// With w_i = T_i (1 - exp(-sigma_i dt_i)):
 ///   d loss / d sigma_i = dt_i (T_{i+1} d loss / d w_i - Sum_{j > i} w_j d loss / d w_j),
 /// where the far background counts as a last sample that all the remaining light reaches.

@@ -162,6 +162,7 @@ void RayTracer::EvaluateDensity() {
       round_.raw.data(), round_.dt.data(), count, round_.sigma.data(), round_.transparency.data());
 }
 
+// Eq. 5 by quadrature: what each sample adds is its weight T (1 - exp(-sigma dt)).
 void RayTracer::Composite(const TraceOptions& options, std::vector<State>* states) {
   const auto stride = static_cast<std::ptrdiff_t>(field_.density.row_stride());
   for (std::size_t s = 0; s < round_.count; ++s) {

@@ -1,5 +1,6 @@
 #include "deja_view/nerf/sparse_points.hpp"
 
+#include "deja_view/base/angles.hpp"
 #include "deja_view/base/parallel.hpp"
 #include "deja_view/features/brief_extractor.hpp"
 #include "deja_view/features/hamming_matcher.hpp"
@@ -14,7 +15,6 @@
 namespace deja_view::nerf {
 namespace {
 
-constexpr double kDegree = M_PI / 180;
 constexpr double kCornerSigma_px = 0.5;  ///< of a corner's place
 
 /// Corners of one image with their unit rays in N.

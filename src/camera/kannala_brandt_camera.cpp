@@ -1,5 +1,6 @@
 #include "deja_view/camera/kannala_brandt_camera.hpp"
 
+#include "deja_view/base/angles.hpp"
 #include "deja_view/base/check.hpp"
 
 #include <cmath>
@@ -8,11 +9,7 @@
 #include "scaling.hpp"
 
 namespace deja_view {
-namespace {
-
-constexpr double kPi = 3.14159265358979323846;
-
-}  // namespace
+namespace {}  // namespace
 
 KannalaBrandtCamera::KannalaBrandtCamera(const KannalaBrandtParameters& parameters)
     : Camera(parameters.width, parameters.height), parameters_(parameters), max_theta_(kPi) {

@@ -1,11 +1,11 @@
 #include "deja_view/features/brief_extractor.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/requirements.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "check_valid.hpp"
 #include "select_corners.hpp"
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
@@ -34,6 +34,7 @@ Descriptor Describe(const std::uint8_t* centre, const SampleOffsets& offsets) {
     std::uint64_t bits = 0;
     for (std::size_t i = 0; i < 64; ++i) {
       const std::size_t k = 64 * word + i;
+      // Eq. 2; the sum over 2^i below is Eq. 3.
       const bool is_darker = centre[offsets.first[k]] < centre[offsets.second[k]];
       bits |= static_cast<std::uint64_t>(is_darker) << i;
     }
@@ -60,7 +61,7 @@ Descriptor DescribeClamped(const cv::Mat& smooth, cv::Point p, const BriefPatter
 }  // namespace
 
 BriefExtractor::BriefExtractor(const BriefOptions& options)
-    : options_((internal::CheckValid(options.Validate()), options)),
+    : options_((CheckNone(options.Validate(), "options"), options)),
       pattern_(options.pattern_file.empty() ? DefaultBriefPattern()
                                             : ReadBriefPattern(options.pattern_file)),
       radius_(pattern_.Radius()) {}
@@ -116,6 +117,7 @@ cv::Mat BriefExtractor::Smooth(const cv::Mat& image) const {
   return smooth;
 }
 
+// Eq. 1, asked of nine neighbours on the circle in a row.
 std::vector<Keypoint> BriefExtractor::Detect(const cv::Mat& image) const {
   // One pixel more than needed: non-maximum suppression looks at the neighbours.
   const int border = std::max(radius_ - kFastRadius - 1, 0);

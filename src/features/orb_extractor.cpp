@@ -1,11 +1,14 @@
 #include "deja_view/features/orb_extractor.hpp"
 
+#include "deja_view/base/angles.hpp"
+#include "deja_view/base/check.hpp"
+#include "deja_view/base/requirements.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 
-#include "check_valid.hpp"
 #include "quadtree.hpp"
 #include "select_corners.hpp"
 #include <opencv2/features2d.hpp>
@@ -18,7 +21,7 @@ constexpr int kFastRadius = 3;
 constexpr int kDiscRadius = 15;  // of the intensity centroid
 constexpr int kBorder = 19;      // reach of the rotated pattern, a patch of 31 px
 constexpr int kPadding = 40;
-constexpr float kRadians = static_cast<float>(CV_PI / 180.0);
+constexpr float kRadians = static_cast<float>(kDegree);
 
 // Half width of the disc's rows 0 to 15. A pixel (u, v) belongs to OpenCV's disc when the larger of
 // |u| and |v| is at most sqrt(15^2 - smaller^2), rounded: a disc that is symmetric under swapping x
@@ -244,7 +247,7 @@ float IntensityCentroidAngle(const cv::Mat& image, cv::Point centre) {
 }  // namespace internal
 
 OrbExtractor::OrbExtractor(const OrbOptions& options)
-    : options_((internal::CheckValid(options.Validate()), options)),
+    : options_((CheckNone(options.Validate(), "options"), options)),
       level_features_(SharesOfLevels(options)) {}
 
 Features OrbExtractor::Extract(const cv::Mat& image) const {

@@ -21,7 +21,7 @@ LoopFusion::LoopFusion(const LoopFusionOptions& options,
           options.assembler,
           [this](AssembledKeyframe keyframe) { Enqueue(std::move(keyframe)); },
           [this](DropReason reason, std::int64_t stamp_ns) {
-            Tell(fmt::format("message of stamp {} ns: {}", stamp_ns, ToString(reason)));
+            Tell(fmt::format("message of stamp {} ns: {}", stamp_ns, EnumToString(reason)));
           }),
       closer_(std::move(closer)),
       T_M_W_(closer_.drift()) {

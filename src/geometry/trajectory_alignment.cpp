@@ -1,5 +1,6 @@
 #include "deja_view/geometry/trajectory_alignment.hpp"
 
+#include "deja_view/base/angles.hpp"
 #include "deja_view/base/check.hpp"
 
 #include <algorithm>
@@ -166,7 +167,6 @@ std::string ObstacleOf(const Pairs& pairs, AlignmentFreedom freedom) {
 }  // namespace
 
 std::string RobustAlignment::Summary() const {
-  constexpr double kDegree = M_PI / 180;
   return fmt::format(
       "RMSE {:.3f} m over {:.1f} % of {} poses, largest {:.2f} m, orientation {:.2f} deg, "
       "scale {:.5g}",
@@ -174,7 +174,7 @@ std::string RobustAlignment::Summary() const {
       100 * inlier_share,
       pairs,
       max_m,
-      rotation_rad / kDegree,
+      ToDegrees(rotation_rad),
       A_B.scale);
 }
 
@@ -241,7 +241,7 @@ RobustAlignment AlignTrajectories(const Trajectory& T_A_X,
         result.Summary(),
         options.max_rmse_m,
         100 * options.min_inlier_share,
-        options.max_rotation_rad * 180 / M_PI);
+        ToDegrees(options.max_rotation_rad));
   }
   return result;
 }

@@ -1,6 +1,7 @@
 #include "deja_view/host/keyframe_assembler.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/requirements.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -31,20 +32,15 @@ bool FollowsWithinStretch(std::int64_t later, std::int64_t earlier) {
 }  // namespace
 
 std::vector<std::string> KeyframeAssemblerOptions::Validate() const {
-  std::vector<std::string> violations;
-  const auto require = [&violations](bool holds, const char* key, auto value, const char* range) {
-    if (!holds) {
-      violations.push_back(fmt::format("{}: {}: expected {}", key, value, range));
-    }
-  };
+  Requirements r;
   const auto is_duration = [](double seconds) { return seconds > 0 && seconds <= 3600; };
-  require(max_images >= 1, "max_images", max_images, "at least 1");
-  require(is_duration(image_window_s), "image_window_s", image_window_s, "0 to 3600 s");
-  require(max_pending >= 1, "max_pending", max_pending, "at least 1");
-  require(is_duration(timeout_s), "timeout_s", timeout_s, "0 to 3600 s");
-  require(later_messages >= 1, "later_messages", later_messages, "at least 1");
-  require(is_duration(sequence_gap_s), "sequence_gap_s", sequence_gap_s, "0 to 3600 s");
-  return violations;
+  r.That(max_images >= 1, "max_images", max_images, "at least 1");
+  r.That(is_duration(image_window_s), "image_window_s", image_window_s, "0 to 3600 s");
+  r.That(max_pending >= 1, "max_pending", max_pending, "at least 1");
+  r.That(is_duration(timeout_s), "timeout_s", timeout_s, "0 to 3600 s");
+  r.That(later_messages >= 1, "later_messages", later_messages, "at least 1");
+  r.That(is_duration(sequence_gap_s), "sequence_gap_s", sequence_gap_s, "0 to 3600 s");
+  return r.errors();
 }
 
 KeyframeInput AssembledKeyframe::ToInput() const {
@@ -55,24 +51,6 @@ KeyframeInput AssembledKeyframe::ToInput() const {
   input.points = points;
   input.starts_sequence = starts_sequence;
   return input;
-}
-
-std::string ToString(DropReason reason) {
-  switch (reason) {
-    case DropReason::kMissingImage:
-      return "missing_image";
-    case DropReason::kMissingPoints:
-      return "missing_points";
-    case DropReason::kDuplicate:
-      return "duplicate";
-    case DropReason::kStrayStamp:
-      return "stray_stamp";
-    case DropReason::kOverflow:
-      return "overflow";
-    case DropReason::kUnmatched:
-      return "unmatched";
-  }
-  return "unknown";
 }
 
 KeyframeAssembler::KeyframeAssembler(const KeyframeAssemblerOptions& options,

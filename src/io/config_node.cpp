@@ -175,12 +175,4 @@ std::string NearestWord(const std::string& word, const std::vector<std::string>&
   return nearest;
 }
 
-std::uint64_t HashText(const std::string& text) {
-  std::uint64_t hash = 0xCBF29CE484222325U;
-  for (const char c : text) {
-    hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3U;
-  }
-  return hash;
-}
-
 }  // namespace deja_view

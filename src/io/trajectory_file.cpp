@@ -97,18 +97,6 @@ fs::path FindAslTruth(const fs::path& directory) {
 
 }  // namespace
 
-std::string ToString(TrajectoryFormat format) {
-  switch (format) {
-    case TrajectoryFormat::kTum:
-      return "TUM";
-    case TrajectoryFormat::kCsv:
-      return "CSV";
-    case TrajectoryFormat::kColmap:
-      return "COLMAP";
-  }
-  return "unknown";
-}
-
 Trajectory ReadCsvTrajectory(const fs::path& path) {
   std::ifstream stream = Open(path);
   Trajectory trajectory;

@@ -34,8 +34,8 @@ void L1Norms::ChangeLogDf(const WordSlots& word, std::int32_t before, std::int32
   }
 }
 
-void L1Norms::Finish(const AccumulateKernel& kernel) {
-  log_sums_.Finish(kernel);
+void L1Norms::Finish() {
+  log_sums_.Finish();
 }
 
 std::size_t L1Norms::memory_bytes() const {
@@ -82,9 +82,9 @@ void SquaredNorms::ChangeLogDf(const WordSlots& word, std::int32_t before, std::
   }
 }
 
-void SquaredNorms::Finish(const AccumulateKernel& kernel) {
-  log_sums_.Finish(kernel);
-  squared_log_sums_.Finish(kernel);
+void SquaredNorms::Finish() {
+  log_sums_.Finish();
+  squared_log_sums_.Finish();
 }
 
 std::size_t SquaredNorms::memory_bytes() const {

@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "accumulate.hpp"
 #include "similarity.hpp"
+#include "slot_sums.hpp"
 
 namespace deja_view::internal {
 
@@ -28,7 +28,7 @@ class L1Norms {
 
   /// log df of a word went from `before` to `after`. To be followed by Finish before sets change.
   void ChangeLogDf(const WordSlots& word, std::int32_t before, std::int32_t after);
-  void Finish(const AccumulateKernel& kernel);
+  void Finish();
 
   std::uint64_t Get(std::uint32_t slot, const WordWeights& weights) const {
     // Frozen: the collection's logarithm is 0 and log_sums_ holds the negative norm.
@@ -53,7 +53,7 @@ class SquaredNorms {
   void Set(std::uint32_t slot, const WordWeights& weights, const BowVector& bow);
   void Clear(std::uint32_t slot);
   void ChangeLogDf(const WordSlots& word, std::int32_t before, std::int32_t after);
-  void Finish(const AccumulateKernel& kernel);
+  void Finish();
 
   std::uint64_t Get(std::uint32_t slot, const WordWeights& weights) const {
     const auto log_collection = static_cast<std::uint64_t>(weights.log_collection());

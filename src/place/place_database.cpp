@@ -1,6 +1,7 @@
 #include "deja_view/place/place_database.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/requirements.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -29,14 +30,10 @@ void CheckBow(const BowVector& bow, std::size_t word_count) {
 }  // namespace
 
 std::vector<std::string> PlaceDatabaseOptions::Validate() const {
-  std::vector<std::string> violations;
-  if (score != "l1" && score != "cosine") {
-    violations.push_back(fmt::format("score: is '{}', expected l1 or cosine", score));
-  }
-  if (idf != "frozen" && idf != "running") {
-    violations.push_back(fmt::format("idf: is '{}', expected frozen or running", idf));
-  }
-  return violations;
+  Requirements r;
+  r.That(score == "l1" || score == "cosine", "score", score, "l1 or cosine");
+  r.That(idf == "frozen" || idf == "running", "idf", idf, "frozen or running");
+  return r.errors();
 }
 
 class PlaceDatabase::Impl {
@@ -73,10 +70,7 @@ class PlaceDatabase::Impl {
 
 PlaceDatabase::PlaceDatabase(const PlaceDatabaseOptions& options,
                              std::shared_ptr<const Vocabulary> vocabulary) {
-  const std::vector<std::string> violations = options.Validate();
-  if (!violations.empty()) {
-    throw CheckError(fmt::format("place database: {}", fmt::join(violations, "; ")));
-  }
+  CheckNone(options.Validate(), "place database");
   DEJA_VIEW_CHECK(vocabulary != nullptr);
   impl_ = std::make_unique<Impl>(options, std::move(vocabulary));
 }

@@ -4,14 +4,13 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace deja_view::internal {
 
 template <typename Norms>
 PlaceIndex<Norms>::PlaceIndex(IdfMode mode, const Vocabulary& vocabulary)
-    : weights_(mode, vocabulary),
-      kernel_(AvailableAccumulateKernels().front()),
-      words_(vocabulary.word_count()) {}
+    : weights_(mode, vocabulary), words_(vocabulary.word_count()) {}
 
 template <typename Norms>
 std::uint32_t PlaceIndex<Norms>::TakeSlot() {
@@ -37,7 +36,7 @@ void PlaceIndex<Norms>::ChangeDf(const BowVector& bow, std::int64_t change) {
     weights_.SetDf(entry.word, static_cast<std::uint32_t>(word.all.size() + change));
     norms_.ChangeLogDf(word, before, weights_.log_df(entry.word));
   }
-  norms_.Finish(kernel_);
+  norms_.Finish();
 }
 
 template <typename Norms>
@@ -50,7 +49,7 @@ void PlaceIndex<Norms>::Add(int id, int tag, const BowVector& bow) {
   entry.id = id;
   entry.tag = tag;
   entry.is_used = true;
-  entry.bow = CompactBow(bow);
+  entry.bow = bow;
   norms_.Set(slot, weights_, bow);
   const auto slots = static_cast<std::uint32_t>(slots_.size());
   for (const WordCount& word : bow.entries) {
@@ -64,7 +63,7 @@ void PlaceIndex<Norms>::Add(int id, int tag, const BowVector& bow) {
 
 template <typename Norms>
 void PlaceIndex<Norms>::RemoveSlot(std::uint32_t slot) {
-  const BowVector bow = slots_[slot].bow.Decode();
+  const BowVector bow = std::move(slots_[slot].bow);
   for (const WordCount& word : bow.entries) {
     words_[word.word].all.Remove(slot);
     if (word.count > 1) {
@@ -117,7 +116,7 @@ std::size_t PlaceIndex<Norms>::memory_bytes() const {
     bytes += word.all.memory_bytes() + word.repeats.memory_bytes();
   }
   for (const SlotEntry& slot : slots_) {
-    bytes += slot.bow.memory_bytes();
+    bytes += slot.bow.entries.capacity() * sizeof(WordCount);
   }
   return bytes;
 }

@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "compact_bow.hpp"
 #include "norms.hpp"
 #include "similarity.hpp"
 
@@ -19,7 +18,7 @@ struct SlotEntry {
   int id = 0;
   int tag = 0;
   bool is_used = false;
-  CompactBow bow;
+  BowVector bow;
 };
 
 /// The inverted index, with the norms that one kind of score needs.
@@ -37,7 +36,6 @@ class PlaceIndex {
   const WordSlots& word(WordId word) const { return words_[word]; }
   const std::vector<SlotEntry>& slots() const { return slots_; }
   std::uint64_t Norm(std::uint32_t slot) const { return norms_.Get(slot, weights_); }
-  const AccumulateKernel& kernel() const { return kernel_; }
   std::size_t size() const { return by_key_.size(); }
   std::size_t memory_bytes() const;
 
@@ -49,7 +47,6 @@ class PlaceIndex {
   void RemoveSlot(std::uint32_t slot);
 
   WordWeights weights_;
-  AccumulateKernel kernel_;
   std::vector<WordSlots> words_;
   std::vector<SlotEntry> slots_;
   std::vector<std::uint32_t> free_slots_;

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "best_matches.hpp"
-#include "l1_filter.hpp"
+#include "kernels.hpp"
 #include "place_index.hpp"
 
 namespace deja_view::internal {
@@ -51,8 +51,8 @@ class L1Sums {
     has_long_ = longest > 2 * norm_;
     ForEachWord(
         index, bow, [this](const WordCount& entry, const WordSlots& word) { Add(entry, word); });
-    once_.Finish(index.kernel());
-    more_.Finish(index.kernel());
+    once_.Finish();
+    more_.Finish();
   }
 
   L1Parts Parts() const {
@@ -116,7 +116,7 @@ void OfferSlot(const PlaceIndex<L1Norms>& index,
     if (L1Score(common, parts.norm, norm) < best->threshold()) {
       return;
     }
-    common = L1Common(index.weights(), bow, parts.norm, entry.bow.Decode(), norm);
+    common = L1Common(index.weights(), bow, parts.norm, entry.bow, norm);
   }
   best->Offer({entry.id, entry.tag, L1Score(common, parts.norm, norm)});
 }
@@ -130,14 +130,13 @@ std::vector<PlaceMatch> FindBest(const PlaceIndex<L1Norms>& index,
   constexpr std::uint32_t kBlock = 512;
   const L1Sums sums(index, bow);
   const L1Parts parts = sums.Parts();
-  const L1FilterFunction filter = AvailableL1FilterKernels().front().filter;
   const auto slots = static_cast<std::uint32_t>(index.slots().size());
   BestMatches best(query);
   std::vector<std::uint32_t> found(kBlock);
   for (std::uint32_t begin = 0; begin < slots; begin += kBlock) {
     const std::uint32_t padded = (slots + kFilterBlock - 1) / kFilterBlock * kFilterBlock;
     const std::uint32_t end = std::min(begin + kBlock, padded);
-    const std::uint32_t count = filter(parts, best.threshold(), begin, end, found.data());
+    const std::uint32_t count = FilterL1(parts, best.threshold(), begin, end, found.data());
     const auto offer_all = [&](bool exact) {
       for (std::uint32_t i = 0; i < count; ++i) {
         const SlotEntry& entry = index.slots()[found[i]];
@@ -171,7 +170,7 @@ std::vector<PlaceMatch> FindBest(const PlaceIndex<SquaredNorms>& index,
       dots[word.repeats.slot(i)] += product * (word.repeats.count(i) - 1);
     }
   });
-  dots.Finish(index.kernel());
+  dots.Finish();
 
   BestMatches best(query);
   const std::uint64_t norm = SquaredNorm(index.weights(), bow);

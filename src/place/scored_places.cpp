@@ -1,6 +1,7 @@
 #include "deja_view/place/scored_places.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/requirements.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,19 +11,14 @@
 namespace deja_view {
 
 std::vector<std::string> ScoringOptions::Validate() const {
-  std::vector<std::string> violations;
-  const auto require = [&](bool ok, const char* text) {
-    if (!ok) {
-      violations.emplace_back(text);
-    }
-  };
-  require(alpha >= 0, "alpha must not be negative");
-  require(beta >= 0, "beta must not be negative");
-  require(r >= 0, "r must not be negative");
-  require(neighbours >= 1, "neighbours must be at least 1");
-  require(synonym_radius >= 0 && synonym_radius <= 128, "synonym_radius must be in 0..128");
-  require(synonym_sigma > 0, "synonym_sigma must be positive");
-  return violations;
+  Requirements require;
+  require.That(alpha >= 0, "alpha must not be negative");
+  require.That(beta >= 0, "beta must not be negative");
+  require.That(r >= 0, "r must not be negative");
+  require.That(neighbours >= 1, "neighbours must be at least 1");
+  require.That(synonym_radius >= 0 && synonym_radius <= 128, "synonym_radius must be in 0..128");
+  require.That(synonym_sigma > 0, "synonym_sigma must be positive");
+  return require.errors();
 }
 
 ScoredPlaces::ScoredPlaces(const ScoringOptions& options,

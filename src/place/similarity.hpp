@@ -26,8 +26,8 @@ constexpr std::uint32_t kMaxDescriptors = 16384;
 /// log(n) in fixed point; 0 for n = 0, too.
 std::int32_t FixedLog(std::uint32_t n);
 
-/// The weight that each word has now: Eq. 9 without the term frequency. Other weightings of words
-/// (Eq. 8-10) have their place here: they too give each word a number that the scores multiply by.
+/// The weight that each word has now: TfIdf without the term frequency. Other weightings of words
+/// have their place here: they too give each word a number that the scores multiply by.
 ///   frozen   the vocabulary's idf
 ///   running  log((N + 1) / max(df, 1)): N entries in the database, df of them with the word. The
 ///            query counts as one of the collection (hence N + 1), so that nothing vanishes when
@@ -71,17 +71,18 @@ std::uint64_t L1Common(const WordWeights& weights,
                        const BowVector& b,
                        std::uint64_t norm_b);
 
-/// From norms and sum_i w_i min(a_i |b|, b_i |a|): 1 - 1/2 sum |x - y| = sum min(x, y) when both
-/// sum to 1. 0 when a norm is.
+/// From norms and sum_i w_i min(a_i |b|, b_i |a|): 1 - 1/2 sum |x - y|, with the Manhattan distance
+/// (Eq. 12), is sum min(x, y) when both sum to 1. 0 when a norm is.
 inline double L1Score(std::uint64_t common, std::uint64_t norm_a, std::uint64_t norm_b) {
   const double scale = static_cast<double>(norm_a) * static_cast<double>(norm_b);
   return scale > 0 ? static_cast<double>(common) / scale : 0.0;
 }
 
-/// From squared norms and the scalar product. 0 when a norm is.
+/// From squared norms and the scalar product; unit vectors are sqrt(2 - 2 cosine) apart by
+/// Euclidean distance (Eq. 11), which orders places alike. 0 when a norm is.
 double CosineScore(std::uint64_t dot, std::uint64_t squared_norm_a, std::uint64_t squared_norm_b);
 
-/// Eq. 11 or Eq. 13 from scratch: the definition that the index agrees with bit for bit.
+/// Either score from scratch: the definition that the index agrees with bit for bit.
 double Similarity(ScoreKind kind,
                   const WordWeights& weights,
                   const BowVector& a,

@@ -37,21 +37,6 @@ class SlotSet {
 
   std::size_t memory_bytes() const { return capacity_ * sizeof(std::uint32_t); }
 
-  template <typename F>
-  void ForEach(F f) const {
-    if (!is_bitmap_) {
-      for (std::uint32_t i = 0; i < size_; ++i) {
-        f(data_[i]);
-      }
-      return;
-    }
-    for (std::uint32_t word = 0; word < capacity_; ++word) {
-      for (std::uint32_t bits = data_[word]; bits != 0; bits &= bits - 1) {
-        f(word * 32 + static_cast<std::uint32_t>(__builtin_ctz(bits)));
-      }
-    }
-  }
-
  private:
   void Reserve(std::uint32_t capacity);
   void TurnIntoBitmap(std::uint32_t slots);

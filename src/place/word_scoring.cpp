@@ -7,29 +7,13 @@
 #include <numeric>
 #include <utility>
 
-#include "synonym_sums.hpp"
+#include "kernels.hpp"
 
 namespace deja_view {
 namespace {
 
 constexpr double kMostImportance = 0.999;
 constexpr double kLeastOwnScore = 0.05;
-
-/// Calls f(weight in a, weight in b) for every word of either.
-template <typename F>
-void ForEachWord(const WeightedBow& a, const WeightedBow& b, F f) {
-  auto i = a.begin();
-  auto j = b.begin();
-  while (i != a.end() || j != b.end()) {
-    if (j == b.end() || (i != a.end() && i->word < j->word)) {
-      f((i++)->weight, 0.0);
-    } else if (i == a.end() || j->word < i->word) {
-      f(0.0, (j++)->weight);
-    } else {
-      f((i++)->weight, (j++)->weight);
-    }
-  }
-}
 
 double Sum(const WeightedBow& bow) {
   double sum = 0;
@@ -47,16 +31,9 @@ double Norm(const WeightedBow& bow) {
   return std::sqrt(sum);
 }
 
-WeightedBow Scaled(const WeightedBow& bow, double factor) {
-  WeightedBow scaled = bow;
-  for (WeightedWord& w : scaled) {
-    w.weight *= factor;
-  }
-  return scaled;
-}
-
 }  // namespace
 
+// Eq. 9.
 WeightedBow TfIdf(const BowVector& bow, const std::function<double(WordId)>& idf) {
   WeightedBow weighted;
   weighted.reserve(bow.entries.size());
@@ -92,13 +69,14 @@ std::vector<double> SynonymKernel::Average(const WeightedBow& bow,
   for (const WeightedWord& w : bow) {
     centroids.push_back(vocabulary_->Centroid(w.word));
   }
-  auto [sums, totals] = internal::AvailableSumSynonyms().front()(centroids, values, weights_);
+  auto [sums, totals] = internal::SumSynonyms(centroids, values, weights_);
   for (std::size_t i = 0; i < bow.size(); ++i) {
     sums[i] /= totals[i];
   }
   return std::move(sums);
 }
 
+// Eq. 8, with S_bar by Eq. 10.
 WeightedBow WeighWords(const WeightedBow& tf_idf,
                        WordWeighting weighting,
                        const SynonymKernel* kernel) {
@@ -135,48 +113,25 @@ WeightedBow WeighWords(const WeightedBow& tf_idf,
   return weighted;
 }
 
-double EuclideanDistance(const WeightedBow& a, const WeightedBow& b) {
-  double sum = 0;
-  ForEachWord(a, b, [&](double x, double y) { sum += (x - y) * (x - y); });
-  return std::sqrt(sum);
-}
-
-double ManhattanDistance(const WeightedBow& a, const WeightedBow& b) {
-  double sum = 0;
-  ForEachWord(a, b, [&](double x, double y) { sum += std::abs(x - y); });
-  return sum;
-}
-
-double L1Similarity(const WeightedBow& a, const WeightedBow& b) {
-  const double sum_a = Sum(a);
-  const double sum_b = Sum(b);
-  if (!(sum_a > 0 && sum_b > 0)) {
-    return 0;
-  }
-  return 1.0 - 0.5 * ManhattanDistance(Scaled(a, 1.0 / sum_a), Scaled(b, 1.0 / sum_b));
-}
-
-double L2Similarity(const WeightedBow& a, const WeightedBow& b) {
-  const double norm_a = Norm(a);
-  const double norm_b = Norm(b);
-  if (!(norm_a > 0 && norm_b > 0)) {
-    return 0;
-  }
-  return 1.0 - 0.5 * EuclideanDistance(Scaled(a, 1.0 / norm_a), Scaled(b, 1.0 / norm_b));
-}
-
+// Eq. 13.
 double CosineSimilarity(const WeightedBow& a, const WeightedBow& b) {
   const double scale = Norm(a) * Norm(b);
   double dot = 0;
-  ForEachWord(a, b, [&](double x, double y) { dot += x * y; });
+  for (auto i = a.begin(), j = b.begin(); i != a.end() && j != b.end();) {
+    if (i->word == j->word) {
+      dot += (i++)->weight * (j++)->weight;
+    } else {
+      ++(i->word < j->word ? i : j);
+    }
+  }
   return scale > 0 ? std::min(1.0, dot / scale) : 0.0;
 }
 
 CombinedScore CombineScores(double original, double virtual_view, const DynamicWeights& weights) {
   CombinedScore combined;
-  combined.weight_original = 0.5;
+  combined.weight_original = 0.5;  // Eq. 14
   combined.weight_virtual = 0.5;
-  if (original > virtual_view) {
+  if (original > virtual_view) {  // Eq. 15
     combined.weight_original += weights.alpha * (original - virtual_view);
   } else {
     combined.weight_virtual += weights.beta * (virtual_view - original);

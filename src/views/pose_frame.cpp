@@ -1,6 +1,8 @@
 #include "deja_view/views/pose_frame.hpp"
 
+#include "deja_view/base/angles.hpp"
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/requirements.hpp"
 
 #include <cmath>
 #include <utility>
@@ -16,30 +18,22 @@ AlignmentOptions MakeAlignmentOptions(const PoseFitOptions& options, bool has_sc
   alignment.inlier_distance_m = options.inlier_distance_m;
   alignment.max_rmse_m = options.max_rmse_m;
   alignment.min_inlier_share = options.min_inlier_share;
-  alignment.max_rotation_rad = options.max_rotation_deg * M_PI / 180;
+  alignment.max_rotation_rad = ToRadians(options.max_rotation_deg);
   return alignment;
 }
 
 }  // namespace
 
 std::vector<std::string> PoseFitOptions::Validate() const {
-  std::vector<std::string> errors;
-  const auto check = [&errors](bool holds, const char* key, double value, const char* expected) {
-    if (!holds) {
-      errors.push_back(fmt::format("{} is {}: expected {}", key, value, expected));
-    }
-  };
-  check(inlier_distance_m > 0, "inlier_distance_m", inlier_distance_m, "more than 0");
-  check(max_rmse_m > 0, "max_rmse_m", max_rmse_m, "more than 0");
-  check(min_inlier_share >= 0 && min_inlier_share <= 1,
-        "min_inlier_share",
-        min_inlier_share,
-        "0 to 1");
-  check(max_rotation_deg > 0 && max_rotation_deg <= 180,
-        "max_rotation_deg",
-        max_rotation_deg,
-        "more than 0, at most 180");
-  return errors;
+  Requirements r;
+  r.That(inlier_distance_m > 0, "inlier_distance_m", inlier_distance_m, "more than 0");
+  r.That(max_rmse_m > 0, "max_rmse_m", max_rmse_m, "more than 0");
+  r.Range("min_inlier_share", min_inlier_share, 0, 1);
+  r.That(max_rotation_deg > 0 && max_rotation_deg <= 180,
+         "max_rotation_deg",
+         max_rotation_deg,
+         "more than 0, at most 180");
+  return r.errors();
 }
 
 PoseFrame FindPoseFrame(const Trajectory& T_N_C,

@@ -1,6 +1,7 @@
 #include "deja_view/views/view_gate.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/requirements.hpp"
 #include "deja_view/camera/pinhole_camera.hpp"
 
 #include <algorithm>
@@ -33,22 +34,14 @@ double DistanceToSegment(const Eigen::Vector3d& p,
 }  // namespace
 
 std::vector<std::string> GateOptions::Validate() const {
-  std::vector<std::string> errors;
-  const auto check = [&errors](bool holds, const char* key, double value, const char* expected) {
-    if (!holds) {
-      errors.push_back(fmt::format("{} is {}: expected {}", key, value, expected));
-    }
-  };
-  check(flown_m >= 0 && flown_m <= 1e6, "flown_m", flown_m, "0 or more");
-  check(clearance_m >= 0 && clearance_m <= 1e6, "clearance_m", clearance_m, "0 or more");
-  check(min_opacity >= 0 && min_opacity <= 1, "min_opacity", min_opacity, "0 to 1");
-  check(max_depth_sigma > 0, "max_depth_sigma", max_depth_sigma, "more than 0");
-  check(min_certain_share >= 0 && min_certain_share <= 1,
-        "min_certain_share",
-        min_certain_share,
-        "0 to 1");
-  check(scale >= 0.01 && scale <= 1, "scale", scale, "0.01 to 1");
-  return errors;
+  Requirements r;
+  r.That(flown_m >= 0 && flown_m <= 1e6, "flown_m", flown_m, "0 or more");
+  r.That(clearance_m >= 0 && clearance_m <= 1e6, "clearance_m", clearance_m, "0 or more");
+  r.Range("min_opacity", min_opacity, 0, 1);
+  r.That(max_depth_sigma > 0, "max_depth_sigma", max_depth_sigma, "more than 0");
+  r.Range("min_certain_share", min_certain_share, 0, 1);
+  r.Range("scale", scale, 0.01, 1);
+  return r.errors();
 }
 
 double CertainShare(const RenderedView& view, const GateOptions& options) {

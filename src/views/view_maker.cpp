@@ -1,6 +1,8 @@
 #include "deja_view/views/view_maker.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/requirements.hpp"
+#include "deja_view/camera/depth_image.hpp"
 #include "deja_view/features/make_feature_extractor.hpp"
 #include "deja_view/views/virtual_features.hpp"
 
@@ -9,42 +11,18 @@
 #include <opencv2/imgproc.hpp>
 
 namespace deja_view {
-namespace {
-
-cv::Mat ToMillimetres(const cv::Mat& depth) {
-  cv::Mat millimetres;
-  depth.convertTo(millimetres, CV_16U, 1000);  // saturates
-  return millimetres;
-}
-
-void Append(const char* group,
-            const std::vector<std::string>& from,
-            std::vector<std::string>* errors) {
-  for (const std::string& error : from) {
-    errors->push_back(std::string(group) + "." + error);
-  }
-}
-
-}  // namespace
-
 std::vector<std::string> ViewOptions::Validate() const {
-  std::vector<std::string> errors;
-  Append("poses", poses.Validate(), &errors);
-  Append("sources", sources.Validate(), &errors);
-  Append("sampling", sampling.Validate(), &errors);
-  Append("gate", gate.Validate(), &errors);
-  Append("rendering", rendering.Validate(), &errors);
-  Append("features", features.Validate(), &errors);
-  if (!(fit_scale >= 0.01 && fit_scale <= 1)) {
-    errors.push_back(fmt::format("fit_scale is {}: expected 0.01 to 1", fit_scale));
-  }
-  if (!(min_correlation >= -1 && min_correlation <= 1)) {
-    errors.push_back(fmt::format("min_correlation is {}: expected -1 to 1", min_correlation));
-  }
-  if (jpeg_quality < 1 || jpeg_quality > 100) {
-    errors.push_back(fmt::format("jpeg_quality is {}: expected 1 to 100", jpeg_quality));
-  }
-  return errors;
+  Requirements r;
+  r.Group("poses", poses.Validate());
+  r.Group("sources", sources.Validate());
+  r.Group("sampling", sampling.Validate());
+  r.Group("gate", gate.Validate());
+  r.Group("rendering", rendering.Validate());
+  r.Group("features", features.Validate());
+  r.Range("fit_scale", fit_scale, 0.01, 1);
+  r.Range("min_correlation", min_correlation, -1, 1);
+  r.Range("jpeg_quality", jpeg_quality, 1, 100);
+  return r.errors();
 }
 
 ViewMaker::ViewMaker(const ViewOptions& options,

@@ -1,6 +1,9 @@
 #include "deja_view/views/view_sampling.hpp"
 
+#include "deja_view/base/angles.hpp"
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/random.hpp"
+#include "deja_view/base/requirements.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,29 +13,6 @@
 
 namespace deja_view {
 namespace {
-
-constexpr double kDegree = M_PI / 180.0;
-
-/// SplitMix64 (Steele et al., OOPSLA 2014): the same numbers on every machine.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-
-  std::uint64_t Next() {
-    state_ += 0x9E3779B97F4A7C15U;
-    std::uint64_t z = state_;
-    z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9U;
-    z = (z ^ (z >> 27U)) * 0x94D049BB133111EBU;
-    return z ^ (z >> 31U);
-  }
-  /// In [low, high).
-  double Uniform(double low, double high) {
-    return low + (high - low) * static_cast<double>(Next() >> 11U) * 0x1p-53;
-  }
-
- private:
-  std::uint64_t state_;
-};
 
 std::vector<Eigen::Vector3d> DrawBall(const SamplingOptions& options, Random* random) {
   std::vector<Eigen::Vector3d> points;
@@ -104,37 +84,28 @@ bool IsApart(const Rigid3& a, const Rigid3& b, const SourceOptions& options) {
 }  // namespace
 
 std::vector<std::string> SourceOptions::Validate() const {
-  std::vector<std::string> errors;
-  if (!(every_m >= 0 && every_m <= 1e6)) {
-    errors.push_back(fmt::format("every_m is {}: expected 0 or more", every_m));
-  }
-  if (!(every_deg >= 0 && every_deg <= 180)) {
-    errors.push_back(fmt::format("every_deg is {}: expected 0 to 180", every_deg));
-  }
-  return errors;
+  Requirements r;
+  r.Range("every_m", every_m, 0, 1e6);
+  r.Range("every_deg", every_deg, 0, 180);
+  return r.errors();
 }
 
 std::vector<std::string> SamplingOptions::Validate() const {
-  std::vector<std::string> errors;
-  const auto check = [&errors](bool holds, const char* key, double value, const char* expected) {
-    if (!holds) {
-      errors.push_back(fmt::format("{} is {}: expected {}", key, value, expected));
-    }
-  };
-  check(views >= 0 && views <= 1000, "views", views, "0 to 1000");
-  check(radius_m > 0 && radius_m <= 100, "radius_m", radius_m, "more than 0, at most 100");
-  check(min_radius_m >= 0 && min_radius_m < radius_m,
-        "min_radius_m",
-        min_radius_m,
-        "0 or more, below radius_m");
-  check(spacing_min_m >= 0 && spacing_min_m < spacing_max_m,
-        "spacing_min_m",
-        spacing_min_m,
-        "0 or more, below spacing_max_m");
-  check(std::isfinite(spacing_max_m), "spacing_max_m", spacing_max_m, "a finite number");
-  check(rotation_deg >= 0 && rotation_deg <= 180, "rotation_deg", rotation_deg, "0 to 180");
-  check(candidates >= 1 && candidates <= 100000, "candidates", candidates, "1 to 100000");
-  return errors;
+  Requirements r;
+  r.Range("views", views, 0, 1000);
+  r.That(radius_m > 0 && radius_m <= 100, "radius_m", radius_m, "more than 0, at most 100");
+  r.That(min_radius_m >= 0 && min_radius_m < radius_m,
+         "min_radius_m",
+         min_radius_m,
+         "0 or more, below radius_m");
+  r.That(spacing_min_m >= 0 && spacing_min_m < spacing_max_m,
+         "spacing_min_m",
+         spacing_min_m,
+         "0 or more, below spacing_max_m");
+  r.That(std::isfinite(spacing_max_m), "spacing_max_m", spacing_max_m, "a finite number");
+  r.Range("rotation_deg", rotation_deg, 0, 180);
+  r.Range("candidates", candidates, 1, 100000);
+  return r.errors();
 }
 
 bool SourceSelector::Take(const Rigid3& T_N_C) {
@@ -162,6 +133,7 @@ std::vector<std::size_t> SelectSources(const std::vector<Rigid3>& T_N_C,
   return sources;
 }
 
+// Eq. 6, as corrected: positions in a ball, and rotations that stay rotations.
 std::vector<Rigid3> SampleViews(const SamplingOptions& options,
                                 std::int64_t stamp_ns,
                                 const std::function<bool(const Rigid3& T_C_V)>& accept) {

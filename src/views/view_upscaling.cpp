@@ -1,6 +1,7 @@
 #include "deja_view/views/view_upscaling.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/requirements.hpp"
 #include "deja_view/camera/camera_parameters.hpp"
 
 #include <algorithm>
@@ -85,20 +86,13 @@ class ViewUpscaler::Network : public internal::SuperResolution {
 };
 
 std::vector<std::string> UpscalingOptions::Validate() const {
-  std::vector<std::string> errors;
-  if (method == Upscaling::kFsrcnn && network.empty()) {
-    errors.emplace_back("network is empty: method fsrcnn needs the file of a network");
-  }
-  if (corner_threshold < 1 || corner_threshold > 254) {
-    errors.push_back(fmt::format("corner_threshold is {}: expected 1 to 254", corner_threshold));
-  }
-  if (corner_margin_px < 0 || corner_margin_px > 1000) {
-    errors.push_back(fmt::format("corner_margin_px is {}: expected 0 to 1000", corner_margin_px));
-  }
-  if (tile_px < 4 || tile_px > 4096) {
-    errors.push_back(fmt::format("tile_px is {}: expected 4 to 4096", tile_px));
-  }
-  return errors;
+  Requirements r;
+  r.That(method != Upscaling::kFsrcnn || !network.empty(),
+         "network is empty: method fsrcnn needs the file of a network");
+  r.Range("corner_threshold", corner_threshold, 1, 254);
+  r.Range("corner_margin_px", corner_margin_px, 0, 1000);
+  r.Range("tile_px", tile_px, 4, 4096);
+  return r.errors();
 }
 
 ViewUpscaler::ViewUpscaler(const UpscalingOptions& options) : options_(options) {

@@ -1,4 +1,5 @@
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/hash.hpp"
 
 #include <algorithm>
 #include <array>
@@ -170,7 +171,7 @@ class FlatWriter {
     FlatSection& section = header.sections[id];
     section.offset = size_;
     section.size = values.size() * sizeof(T);
-    section.hash = HashBytes(values.data(), section.size);
+    section.hash = Hash64(values.data(), section.size);
     Reserve(section.size);
     if (section.size > 0) {
       std::memcpy(Bytes() + section.offset, values.data(), section.size);
@@ -180,7 +181,7 @@ class FlatWriter {
   std::vector<Descriptor> Finish() {
     header.file_size = size_;
     header.identity = Identity();
-    header.header_hash = HashBytes(&header, offsetof(FlatHeader, header_hash));
+    header.header_hash = Hash64(&header, offsetof(FlatHeader, header_hash));
     std::memcpy(Bytes(), &header, sizeof(header));
     return std::move(buffer_);
   }
@@ -201,8 +202,8 @@ class FlatWriter {
         header.sections[kDescriptors].hash,
         header.sections[kLinks].hash,
         header.sections[kWeights].hash,
-        HashBytes(header.descriptor_name, sizeof(header.descriptor_name))};
-    return HashBytes(parts.data(), sizeof(parts));
+        Hash64(header.descriptor_name, sizeof(header.descriptor_name))};
+    return Hash64(parts.data(), sizeof(parts));
   }
 
   std::size_t size_ = 0;

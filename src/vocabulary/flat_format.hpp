@@ -36,7 +36,7 @@ enum SectionId { kDescriptors, kLinks, kWeights, kWordNodes, kSources, kSectionC
 struct FlatSection {
   std::uint64_t offset = 0;  ///< [byte] from the start of the file
   std::uint64_t size = 0;    ///< [byte]
-  std::uint64_t hash = 0;    ///< XXH64 of the section, seed 0
+  std::uint64_t hash = 0;    ///< Hash64 of the section
 };
 
 /// Start of a flat vocabulary file, little endian, followed by its sections at multiples of 64
@@ -62,7 +62,7 @@ struct FlatHeader {
   std::uint64_t file_size = 0;
   std::uint64_t identity = 0;
   FlatSection sections[kSectionCount];
-  std::uint64_t header_hash = 0;  ///< XXH64 of everything before
+  std::uint64_t header_hash = 0;  ///< Hash64 of everything before
 };
 static_assert(std::is_trivially_copyable_v<FlatHeader> && sizeof(FlatHeader) == 208);
 
@@ -91,8 +91,5 @@ std::vector<Descriptor> BuildFlat(const VocabularyTree& tree, const std::string&
 
 /// The other way round; nodes in the order of `sources` where there are any.
 VocabularyTree UnbuildFlat(const FlatView& view);
-
-/// XXH64 with seed 0.
-std::uint64_t HashBytes(const void* data, std::size_t size);
 
 }  // namespace deja_view::internal

@@ -1,4 +1,5 @@
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/hash.hpp"
 
 #include <array>
 #include <cmath>
@@ -6,7 +7,6 @@
 #include <string_view>
 
 #include "flat_format.hpp"
-#include <xxhash.h>
 
 namespace deja_view::internal {
 namespace {
@@ -26,7 +26,7 @@ void CheckHeader(const FlatHeader& header, std::size_t size, const std::string& 
     ThrowInputError(
         "{}: header_size: is {}, expected {}", source, header.header_size, expected.header_size);
   }
-  if (header.header_hash != HashBytes(&header, offsetof(FlatHeader, header_hash))) {
+  if (header.header_hash != Hash64(&header, offsetof(FlatHeader, header_hash))) {
     ThrowInputError("{}: header_hash: the header is damaged", source);
   }
   if (header.file_size != size) {
@@ -162,17 +162,13 @@ void CheckHashes(const FlatHeader& header, const void* data, const std::string& 
   for (int i = 0; i < kSectionCount; ++i) {
     const FlatSection& section = header.sections[i];
     const char* begin = static_cast<const char*>(data) + section.offset;
-    if (HashBytes(begin, section.size) != section.hash) {
+    if (Hash64(begin, section.size) != section.hash) {
       ThrowInputError("{}: {}.hash: the section is damaged", source, kSectionNames[i]);
     }
   }
 }
 
 }  // namespace
-
-std::uint64_t HashBytes(const void* data, std::size_t size) {
-  return XXH64(data, size, 0);
-}
 
 FlatView ViewFlat(const void* data, std::size_t size, const std::string& source, FlatCheck check) {
   if (size < sizeof(FlatHeader)) {

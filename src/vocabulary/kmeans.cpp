@@ -1,6 +1,7 @@
 #include "kmeans.hpp"
 
 #include "deja_view/base/parallel.hpp"
+#include "deja_view/base/random.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -17,25 +18,6 @@ constexpr std::size_t kChunk = 8192;
 
 // Descriptors to choose the next centre from.
 constexpr int kCandidates = 4;
-
-// SplitMix64 (Steele, Lea and Flood, 2014): the same numbers with every standard library.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-
-  /// Uniform in [0, limit), limit > 0; the bias of the modulo is below 2^-30 for our sums of
-  /// distances.
-  std::uint64_t Below(std::uint64_t limit) {
-    state_ += 0x9e3779b97f4a7c15U;
-    std::uint64_t z = state_;
-    z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9U;
-    z = (z ^ (z >> 27U)) * 0x94d049bb133111ebU;
-    return (z ^ (z >> 31U)) % limit;
-  }
-
- private:
-  std::uint64_t state_;
-};
 
 class Problem {
  public:

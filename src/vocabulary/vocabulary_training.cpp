@@ -2,6 +2,7 @@
 
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/parallel.hpp"
+#include "deja_view/base/requirements.hpp"
 #include "deja_view/vocabulary/vocabulary.hpp"
 
 #include <algorithm>
@@ -195,31 +196,23 @@ void SetWeights(const std::vector<std::vector<Descriptor>>& images,
 }  // namespace
 
 std::vector<std::string> TrainOptions::Validate() const {
-  std::vector<std::string> violations;
-  const auto check = [&](const char* key, int value, int min, int max) {
-    if (value < min || value > max) {
-      violations.push_back(fmt::format("{}: is {}, expected {} to {}", key, value, min, max));
-    }
-  };
-  check("k", k, 2, 255);
-  check("levels", levels, 1, 32);
-  check("max_words", max_words, 0, 1 << 30);
-  check("iterations", iterations, 1, 1000);
-  check("threads", threads, 0, 1024);
-  if (descriptor_name != "brief" && descriptor_name != "orb") {
-    violations.push_back(
-        fmt::format("descriptor: is '{}', expected brief or orb", descriptor_name));
-  }
-  return violations;
+  Requirements r;
+  r.Range("k", k, 2, 255);
+  r.Range("levels", levels, 1, 32);
+  r.Range("max_words", max_words, 0, 1 << 30);
+  r.Range("iterations", iterations, 1, 1000);
+  r.Range("threads", threads, 0, 1024);
+  r.That(descriptor_name == "brief" || descriptor_name == "orb",
+         "descriptor",
+         descriptor_name,
+         "brief or orb");
+  return r.errors();
 }
 
 VocabularyTree TrainVocabulary(const std::vector<std::vector<Descriptor>>& images,
                                const TrainOptions& options,
                                const TrainProgress& progress) {
-  const std::vector<std::string> violations = options.Validate();
-  if (!violations.empty()) {
-    throw CheckError(fmt::format("vocabulary training: {}", fmt::join(violations, "; ")));
-  }
+  CheckNone(options.Validate(), "vocabulary training");
   if (std::all_of(images.begin(), images.end(), [](const auto& image) { return image.empty(); })) {
     ThrowInputError("vocabulary training: no descriptor in {} images", images.size());
   }

@@ -6,6 +6,7 @@
 // fixed seed.
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/hash.hpp"
 #include "deja_view/vocabulary/vocabulary.hpp"
 #include "deja_view/vocabulary/vocabulary_files.hpp"
 
@@ -57,10 +58,10 @@ void Rehash(std::string* bytes) {
   std::memcpy(&header, bytes->data(), sizeof(header));
   for (internal::FlatSection& section : header.sections) {
     if (section.offset <= bytes->size() && section.size <= bytes->size() - section.offset) {
-      section.hash = internal::HashBytes(bytes->data() + section.offset, section.size);
+      section.hash = Hash64(bytes->data() + section.offset, section.size);
     }
   }
-  header.header_hash = internal::HashBytes(&header, offsetof(FlatHeader, header_hash));
+  header.header_hash = Hash64(&header, offsetof(FlatHeader, header_hash));
   std::memcpy(bytes->data(), &header, sizeof(header));
 }
 

@@ -6,8 +6,8 @@
 
 namespace deja_view {
 
-/// FAST corners (segment test of 9 of 16 pixels, non-maximum suppression; Eq. 1) with upright
-/// 256-bit BRIEF (Eq. 2-3).
+/// FAST corners (segment test of 9 of 16 pixels, non-maximum suppression) with upright 256-bit
+/// BRIEF.
 ///
 /// The descriptor is VINS-Mono's (DVision's BRIEF): the whole image is smoothed with a 9 x 9
 /// Gaussian of sigma 2 px (`cv::GaussianBlur` on 8 bits, border reflected), and with S the smoothed

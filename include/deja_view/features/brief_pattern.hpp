@@ -7,7 +7,7 @@
 namespace deja_view {
 
 /// Where BRIEF compares the smoothed image: bit i is set when the first point of pair i is darker
-/// than the second (Eq. 2-3).
+/// than the second.
 struct BriefPattern {
   /// Offsets from the keypoint [px].
   struct Pair {

@@ -51,8 +51,8 @@ struct BriefOptions {
 /// each is kept.
 enum class QuadtreeMode {
   kCount,  ///< T is the level's share of max_features
-  kStd,    ///< for each quarter of the level, T is its grey values' standard deviation (Eq. 7, as
-           ///< corrected)
+  kStd,    ///< for each quarter of the level, T is its grey values' standard deviation, as the
+           ///< paper means it
   kAdaptiveFast,  ///< as kCount, after FAST with a threshold proportional to the local deviation
 };
 

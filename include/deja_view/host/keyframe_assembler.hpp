@@ -1,14 +1,17 @@
 #pragma once
 
+#include "deja_view/base/enum_names.hpp"
 #include "deja_view/geometry/rigid3.hpp"
 #include "deja_view/host/image_source.hpp"
 #include "deja_view/host/keyframe_input.hpp"
 
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace deja_view {
@@ -69,8 +72,16 @@ enum class DropReason {
   kUnmatched,      ///< points to which no keyframe pose came
 };
 
-/// snake_case name, as in logs and diagnostics.
-std::string ToString(DropReason reason);
+template <>
+struct EnumNames<DropReason> {
+  static constexpr std::array<std::pair<DropReason, const char*>, 6> kNames = {
+      {{DropReason::kMissingImage, "missing_image"},
+       {DropReason::kMissingPoints, "missing_points"},
+       {DropReason::kDuplicate, "duplicate"},
+       {DropReason::kStrayStamp, "stray_stamp"},
+       {DropReason::kOverflow, "overflow"},
+       {DropReason::kUnmatched, "unmatched"}}};
+};
 
 /// How many messages came and what became of them.
 struct AssemblerCounts {

@@ -42,7 +42,4 @@ std::string QuoteYaml(const std::string& text);
 /// The one of `known` with the smallest edit distance to `word`; empty when there is none.
 std::string NearestWord(const std::string& word, const std::vector<std::string>& known);
 
-/// 64-bit FNV-1a of the text.
-std::uint64_t HashText(const std::string& text);
-
 }  // namespace deja_view

@@ -325,11 +325,4 @@ std::string OptionsToYaml(const Options& options) {
   return writer.text();
 }
 
-/// Hash of all keys and values, the same on every machine; tells whether a stored result was made
-/// with these options.
-template <typename Options>
-std::uint64_t HashOptions(const Options& options) {
-  return HashText(OptionsToYaml(options));
-}
-
 }  // namespace deja_view

@@ -14,9 +14,6 @@ enum class TrajectoryFormat {
   kColmap,  ///< a model of COLMAP whose images are named by their stamps
 };
 
-/// "TUM", "CSV" or "COLMAP".
-std::string ToString(TrajectoryFormat format);
-
 struct TrajectoryFile {
   TrajectoryFormat format = TrajectoryFormat::kTum;
   Trajectory trajectory;

@@ -86,8 +86,8 @@ struct TrackDepthOptions {
 
 /// Which virtual views are kept, and of what use they are.
 struct VirtualViewOptions {
-  /// Views kept per keyframe: those most like their own source image by L1 similarity (Eq. 12;
-  /// 1 is the paper's choice, Sec. 3.2.3). 0: none, not even a loaded map's.
+  /// Views kept per keyframe: those most like their own source image by L1 similarity
+  /// (1 is the paper's choice, Sec. 3.2.3). 0: none, not even a loaded map's.
   int keep = 8;
   int max_features = 350;   ///< strongest, spread over the image
   int max_tried = 6;        ///< candidates per keyframe that are verified with their views

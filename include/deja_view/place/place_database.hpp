@@ -13,10 +13,10 @@ namespace deja_view {
 
 /// How places are compared.
 struct PlaceDatabaseOptions {
-  /// "l1": 1 - 1/2 |a/|a| - b/|b||_1 (Eq. 11); "cosine": a.b / (|a||b|) (Eq. 13). Both in [0, 1].
+  /// "l1": 1 - 1/2 |a/|a| - b/|b||_1; "cosine": a.b / (|a||b|). Both in [0, 1].
   std::string score = "l1";
-  /// Where a word's idf comes from (Eq. 9): "frozen", the images that the vocabulary was trained
-  /// from, or "running", the database's own content at the time of the query.
+  /// Where a word's idf comes from (see TfIdf): "frozen", the images that the vocabulary was
+  /// trained from, or "running", the database's own content at the time of the query.
   std::string idf = "frozen";
 
   /// Violations, one line each; empty when all is well.

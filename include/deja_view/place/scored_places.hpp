@@ -13,7 +13,7 @@ namespace deja_view {
 struct ScoringOptions {
   bool is_on = false;
   WordWeighting weights = WordWeighting::kTfidf;
-  double alpha = 1.0;  ///< Eq. 15: what the original image's weight gains with its lead
+  double alpha = 1.0;  ///< what the original image's weight gains with its lead
   double beta = 0.5;   ///< the same for the virtual image
   LoopThreshold threshold = LoopThreshold::kCalibrated;
   double r = 0.0;           ///< an island must reach; 0: all do. See LoopThreshold for the ranges
@@ -41,9 +41,9 @@ struct ScoringOptions {
 /// A past keyframe and its scores against a query.
 struct ScoredPlace {
   int id = -1;
-  double original = 0;      ///< cosine with the original image (Eq. 13)
+  double original = 0;      ///< cosine with the original image
   double virtual_view = 0;  ///< best cosine with a virtual image; the original's without any
-  double score = 0;         ///< combined (Eq. 15)
+  double score = 0;         ///< combined (CombineScores)
 };
 
 /// Weighted words of past keyframes, scored as the paper does. Weights are those of the

@@ -13,16 +13,17 @@
 #include <utility>
 #include <vector>
 
-/// The paper's way from words to one score per past place (Sec. 3.3, Eq. 8-15), each step a plain
-/// function. Where the printed text can't be taken literally, the docstring says what is done.
+/// The paper's way from words to one score per past place (Sec. 3.3), each step a plain function;
+/// word_scoring.cpp names its equations. Where the printed text can't be taken literally, the
+/// docstring says what is done.
 namespace deja_view {
 
-/// What weight a word gets beyond TF-IDF (Eq. 8, 10). With p_j = S_j / sum S of the image's words,
-/// Eq. 10 makes S_bar_j = 1 / (1 - p_j); I(w_j) is one-hot, so that ||I|| ||S_bar|| cos theta_j is
+/// What weight a word gets beyond TF-IDF. With p_j = S_j / sum S of the image's words, the expected
+/// score is S_bar_j = 1 / (1 - p_j); I(w_j) is one-hot, so that ||I|| ||S_bar|| cos theta_j is
 /// S_bar_j itself.
 enum class WordWeighting {
-  kTfidf,    ///< S_j (Eq. 9 alone)
-  kPrinted,  ///< Eq. 8 as printed: S_j / (1 + S_bar_j) = S_j (1 - p_j) / (2 - p_j), which *falls*
+  kTfidf,    ///< S_j alone
+  kPrinted,  ///< as printed: S_j / (1 + S_bar_j) = S_j (1 - p_j) / (2 - p_j), which *falls*
              ///< with importance: from S_j / 2 at p = 0 to 0 at p = 1
   kText,     ///< as corrected to what the prose asks: S_j / (2 - p_j), from S_j / 2 to S_j
   kSynonym,  ///< as the prose means it: S_j sum_i k(i, j) S_bar_i / sum_i k(i, j) over the image's
@@ -45,16 +46,16 @@ struct WeightedWord {
 };
 using WeightedBow = std::vector<WeightedWord>;
 
-/// Eq. 9: S_j = (n_j / n) idf_j, idf_j = log(Sum / P_j) from `idf`; n counts all descriptors of the
+/// S_j = (n_j / n) idf_j, idf_j = log(Sum / P_j) from `idf`; n counts all descriptors of the
 /// image. In [0, max idf].
 WeightedBow TfIdf(const BowVector& bow, const std::function<double(WordId)>& idf);
 
 /// Which words mean nearly the same: k = exp(-(d / sigma)^2 / 2) of the Hamming distance d of their
 /// centroids, 1 for a word and itself, 0 beyond `radius` bits.
 ///
-/// Eq. 8 asks for k among the words of one image only, some hundreds, which are compared when they
-/// are needed: 0.3 ms for 700 words. A table of a vocabulary's pairs would make that 0.1 ms, but
-/// cost 19 MB and 5 s (see synonym_sums.cpp). Const methods may be called from several threads.
+/// The weights ask for k among the words of one image only, some hundreds, which are compared when
+/// they are needed: 0.3 ms for 700 words. A table of a vocabulary's pairs would make that 0.1 ms,
+/// but cost 19 MB and 5 s (see SumSynonyms). Const methods may be called from several threads.
 class SynonymKernel {
  public:
   SynonymKernel(std::shared_ptr<const Vocabulary> vocabulary, int radius, double sigma);
@@ -71,27 +72,17 @@ class SynonymKernel {
   std::vector<double> weights_;  ///< by distance, up to the radius
 };
 
-/// Eq. 8 and 10 over an image's TF-IDF weights. `kernel` is needed for kSynonym only. p_j is cut at
+/// The weighting of an image's TF-IDF weights. `kernel` is needed for kSynonym only. p_j is cut at
 /// 0.999, since S_bar is infinite for an image of one word.
 WeightedBow WeighWords(const WeightedBow& tf_idf,
                        WordWeighting weighting,
                        const SynonymKernel* kernel = nullptr);
 
-/// Eq. 11 and 12: Euclidean and Manhattan distance; >= 0.
-double EuclideanDistance(const WeightedBow& a, const WeightedBow& b);
-double ManhattanDistance(const WeightedBow& a, const WeightedBow& b);
-
-/// Similarity by norms, for the choice among virtual views (Sec. 3.2.3): 1 - d(a/|a|, b/|b|) / 2
-/// with Eq. 12 and the 1-norm (L1), or Eq. 11 and the 2-norm (L2). L1 in [0, 1], L2 in
-/// [1 - sqrt(2) / 2, 1]; 0 when one vector is 0.
-double L1Similarity(const WeightedBow& a, const WeightedBow& b);
-double L2Similarity(const WeightedBow& a, const WeightedBow& b);
-
-/// Eq. 13: x.y / (|x| |y|); the printed dot between its two fractions is an equals sign. In [0, 1];
+/// x.y / (|x| |y|); the printed dot between its two fractions is an equals sign. In [0, 1];
 /// 0 when one vector is 0.
 double CosineSimilarity(const WeightedBow& a, const WeightedBow& b);
 
-/// Steps of Eq. 15.
+/// Steps by which the weights of the original and the virtual image move.
 struct DynamicWeights {
   double alpha = 1.0;
   double beta = 0.5;
@@ -104,7 +95,7 @@ struct CombinedScore {
   double score = 0;
 };
 
-/// Eq. 14 and 15: both weights start at 1/2; if S_o > S_v, w_o += alpha (S_o - S_v), else w_v +=
+/// Both weights start at 1/2; if S_o > S_v, w_o += alpha (S_o - S_v), else w_v +=
 /// beta (S_v - S_o) (the printed second line updates w_v from w_o, which are equal then). Score =
 /// w_o S_o + w_v S_v. The weights do not sum to 1: with S in [0, 1] and the default steps the score
 /// is in [0, 1.5], reaches 1.5 at S_o = 1, S_v = 0, and is 1 for perfect agreement of both.

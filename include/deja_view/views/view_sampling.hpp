@@ -88,11 +88,11 @@ std::vector<std::size_t> SelectSources(const std::vector<Rigid3>& T_N_C,
                                        const SourceOptions& options);
 
 /// Poses T_C_V of the virtual cameras of one image [m]; they depend only on the options and the
-/// image's stamp. Points are drawn evenly in the ball and thinned with a KD-tree (Eq. 6) until none
+/// image's stamp. Points are drawn evenly in the ball and thinned with a KD-tree until none
 /// is nearer than spacing_min_m to its neighbour; of these, in the order of drawing, each is taken
 /// that `accept`s and lies at most spacing_max_m from one taken before (the first always does).
-/// Rotations are exp([w]x), drawn after the positions and multiplied from the right: Eq. 6's noise
-/// on the elements of R, as corrected, stays in SO(3).
+/// Rotations are exp([w]x), drawn after the positions and multiplied from the right: the paper's
+/// noise on the elements of R, as corrected, stays in SO(3).
 ///
 /// With two views or more, the distance of each to its nearest neighbour lies in [spacing_min_m,
 /// spacing_max_m]. `accept` may be empty: every pose does.

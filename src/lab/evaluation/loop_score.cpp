@@ -1,13 +1,12 @@
 #include "deja_view/lab/evaluation/loop_score.hpp"
 
+#include "deja_view/base/angles.hpp"
 #include "deja_view/base/check.hpp"
 
 #include <cmath>
 
 namespace deja_view {
 namespace {
-
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 bool IsCorrect(const EvaluatedLoop& loop,
                const Rigid3& T_truth_old,

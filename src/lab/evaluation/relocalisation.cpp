@@ -1,5 +1,6 @@
 #include "deja_view/lab/evaluation/relocalisation.hpp"
 
+#include "deja_view/base/angles.hpp"
 #include "deja_view/base/check.hpp"
 
 #include <algorithm>
@@ -9,8 +10,6 @@
 
 namespace deja_view {
 namespace {
-
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 std::vector<RelocalisationBin> MakeBins(double step, int count) {
   std::vector<RelocalisationBin> bins;

@@ -1,6 +1,8 @@
 #include "deja_view/lab/sim/exact_views.hpp"
 
+#include "deja_view/base/angles.hpp"
 #include "deja_view/base/check.hpp"
+#include "deja_view/camera/depth_image.hpp"
 #include "deja_view/lab/sim/random.hpp"
 #include "deja_view/lab/sim/world.hpp"
 
@@ -10,25 +12,6 @@
 #include <opencv2/core.hpp>
 
 namespace deja_view::sim {
-namespace {
-
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
-
-/// Range [m] as 16-bit millimetres; 0 where nothing is hit or too far for 16 bits.
-cv::Mat ToMillimetres(const cv::Mat& range) {
-  cv::Mat millimetres(range.size(), CV_16UC1);
-  for (int y = 0; y < range.rows; ++y) {
-    for (int x = 0; x < range.cols; ++x) {
-      const float value = 1000.0F * range.at<float>(y, x);
-      millimetres.at<std::uint16_t>(y, x) =
-          value < 65535.0F ? static_cast<std::uint16_t>(std::lround(value)) : std::uint16_t{0};
-    }
-  }
-  return millimetres;
-}
-
-}  // namespace
-
 std::vector<std::string> ExactViewPresetNames() {
   return {"paper", "wide"};
 }
@@ -57,7 +40,7 @@ std::vector<Rigid3> SampleExactViewPoses(const World& world,
     const Eigen::Vector3d direction(
         random.Uniform(-1, 1), random.Uniform(-1, 1), random.Uniform(-1, 1));
     const double distance = random.Uniform(options.min_distance_m, options.max_distance_m);
-    const double angle = options.max_angle_deg * kDegree;
+    const double angle = ToRadians(options.max_angle_deg);
     const Eigen::Vector3d turn(random.Uniform(-angle, angle),
                                random.Uniform(-angle, angle),
                                random.Uniform(-angle / 3, angle / 3));

@@ -1,5 +1,6 @@
 #include "flight_planner.hpp"
 
+#include "deja_view/base/angles.hpp"
 #include "deja_view/base/check.hpp"
 #include "deja_view/geometry/rigid3.hpp"
 
@@ -10,7 +11,7 @@
 namespace deja_view::sim {
 namespace {
 
-constexpr double kTwoPi = 6.283185307179586;
+constexpr double kTwoPi = 2 * kPi;
 constexpr double kStep = 0.5;       // [s] between knots
 constexpr double kRamp = 1.5;       // [s] to speed up and to slow down
 constexpr double kMostSpeed = 1.6;  // momentary over mean

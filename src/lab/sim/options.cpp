@@ -1,6 +1,7 @@
 #include "deja_view/lab/sim/options.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/requirements.hpp"
 
 #include <cmath>
 
@@ -9,105 +10,95 @@
 namespace deja_view::sim {
 namespace {
 
-/// Collects violations; a NaN is one too.
-class Violations {
- public:
-  template <typename T>
-  void Range(const char* key, T value, double low, double high) {
-    const auto number = static_cast<double>(value);
-    if (!(number >= low && number <= high)) {
-      list_.push_back(fmt::format("{}: {} is not in [{}, {}]", key, value, low, high));
-    }
-  }
-  void Require(bool condition, std::string text) {
-    if (!condition) {
-      list_.push_back(std::move(text));
-    }
-  }
-  std::vector<std::string> list() const { return list_; }
-
- private:
-  std::vector<std::string> list_;
-};
-
-void CheckWorld(const WorldOptions& o, Violations* v) {
-  v->Range("world.length_m", o.length_m, 6.0, 60.0);
-  v->Range("world.width_m", o.width_m, 6.0, 60.0);
-  v->Range("world.height_m", o.height_m, 2.8, 15.0);
-  v->Range("world.texture_strength", o.texture_strength, 0.0, 1.5);
-  v->Range("world.repetition", o.repetition, 0.0, 1.0);
-  v->Range("world.windows", o.windows, 0, 40);
-  v->Range("world.window_radiance", o.window_radiance, 0.1, 100.0);
-  v->Range("world.furniture", o.furniture, 0, 500);
-  v->Range("world.posters", o.posters, 0, 500);
-  v->Range("world.texture_size_px", o.texture_size_px, 64, 2048);
-  v->Require((o.texture_size_px & (o.texture_size_px - 1)) == 0,
-             fmt::format("world.texture_size_px: {} is not a power of two", o.texture_size_px));
-  v->Range("world.light_spacing_m", o.light_spacing_m, 0.05, 2.0);
+std::vector<std::string> Violations(const WorldOptions& o) {
+  Requirements r;
+  r.Range("length_m", o.length_m, 6.0, 60.0);
+  r.Range("width_m", o.width_m, 6.0, 60.0);
+  r.Range("height_m", o.height_m, 2.8, 15.0);
+  r.Range("texture_strength", o.texture_strength, 0.0, 1.5);
+  r.Range("repetition", o.repetition, 0.0, 1.0);
+  r.Range("windows", o.windows, 0, 40);
+  r.Range("window_radiance", o.window_radiance, 0.1, 100.0);
+  r.Range("furniture", o.furniture, 0, 500);
+  r.Range("posters", o.posters, 0, 500);
+  r.Range("texture_size_px", o.texture_size_px, 64, 2048);
+  r.That((o.texture_size_px & (o.texture_size_px - 1)) == 0,
+         fmt::format("texture_size_px: {} is not a power of two", o.texture_size_px));
+  r.Range("light_spacing_m", o.light_spacing_m, 0.05, 2.0);
+  return r.errors();
 }
 
-void CheckFlight(const FlightOptions& o, Violations* v) {
-  v->Range("flight.duration_s", o.duration_s, 2.0, 3600.0);
-  v->Range("flight.mean_speed_m_s", o.mean_speed_m_s, 0.2, 1.5);
-  v->Range("flight.max_yaw_rate_deg_s", o.max_yaw_rate_deg_s, 20.0, 180.0);
-  v->Range("flight.clearance_m", o.clearance_m, 0.1, 0.6);
-  v->Range("flight.hover_s", o.hover_s, 0.0, 60.0);
-  v->Range("flight.ground_truth_rate_hz", o.ground_truth_rate_hz, 10.0, 1000.0);
+std::vector<std::string> Violations(const FlightOptions& o) {
+  Requirements r;
+  r.Range("duration_s", o.duration_s, 2.0, 3600.0);
+  r.Range("mean_speed_m_s", o.mean_speed_m_s, 0.2, 1.5);
+  r.Range("max_yaw_rate_deg_s", o.max_yaw_rate_deg_s, 20.0, 180.0);
+  r.Range("clearance_m", o.clearance_m, 0.1, 0.6);
+  r.Range("hover_s", o.hover_s, 0.0, 60.0);
+  r.Range("ground_truth_rate_hz", o.ground_truth_rate_hz, 10.0, 1000.0);
+  return r.errors();
 }
 
-void CheckSensor(const SensorOptions& o, Violations* v) {
-  v->Range("sensor.image_rate_hz", o.image_rate_hz, 1.0, 60.0);
-  v->Range("sensor.exposure_ms", o.exposure_ms, 0.0, 100.0);
-  v->Require(
-      o.exposure_ms * o.image_rate_hz <= 1000.0,
-      fmt::format("sensor.exposure_ms: {} is longer than the time between images", o.exposure_ms));
-  v->Range("sensor.samples", o.samples, 1, 64);
-  v->Range("sensor.target_level", o.target_level, 0.01, 0.9);
-  v->Range("sensor.exposure_adaption", o.exposure_adaption, 0.0, 1.0);
-  v->Range("sensor.vignetting", o.vignetting, 0.0, 2.0);
-  v->Range("sensor.noise", o.noise, 0.0, 30.0);
-  v->Range("sensor.gamma", o.gamma, 1.0, 3.0);
+std::vector<std::string> Violations(const SensorOptions& o) {
+  Requirements r;
+  r.Range("image_rate_hz", o.image_rate_hz, 1.0, 60.0);
+  r.Range("exposure_ms", o.exposure_ms, 0.0, 100.0);
+  r.That(o.exposure_ms * o.image_rate_hz <= 1000.0,
+         fmt::format("exposure_ms: {} is longer than the time between images", o.exposure_ms));
+  r.Range("samples", o.samples, 1, 64);
+  r.Range("target_level", o.target_level, 0.01, 0.9);
+  r.Range("exposure_adaption", o.exposure_adaption, 0.0, 1.0);
+  r.Range("vignetting", o.vignetting, 0.0, 2.0);
+  r.Range("noise", o.noise, 0.0, 30.0);
+  r.Range("gamma", o.gamma, 1.0, 3.0);
+  return r.errors();
 }
 
-void CheckImu(const ImuOptions& o, Violations* v) {
-  v->Range("imu.rate_hz", o.rate_hz, 20.0, 1000.0);
-  v->Range("imu.gyro_noise", o.gyro_noise, 0.0, 1.0);
-  v->Range("imu.accel_noise", o.accel_noise, 0.0, 1.0);
-  v->Range("imu.gyro_bias", o.gyro_bias, 0.0, 1.0);
-  v->Range("imu.accel_bias", o.accel_bias, 0.0, 5.0);
-  v->Range("imu.gyro_bias_walk", o.gyro_bias_walk, 0.0, 1.0);
-  v->Range("imu.accel_bias_walk", o.accel_bias_walk, 0.0, 1.0);
+std::vector<std::string> Violations(const ImuOptions& o) {
+  Requirements r;
+  r.Range("rate_hz", o.rate_hz, 20.0, 1000.0);
+  r.Range("gyro_noise", o.gyro_noise, 0.0, 1.0);
+  r.Range("accel_noise", o.accel_noise, 0.0, 1.0);
+  r.Range("gyro_bias", o.gyro_bias, 0.0, 1.0);
+  r.Range("accel_bias", o.accel_bias, 0.0, 5.0);
+  r.Range("gyro_bias_walk", o.gyro_bias_walk, 0.0, 1.0);
+  r.Range("accel_bias_walk", o.accel_bias_walk, 0.0, 1.0);
+  return r.errors();
 }
 
-void CheckVio(const VioOptions& o, Violations* v) {
-  v->Range("vio.max_points", o.max_points, 10, 1000);
-  v->Range("vio.min_distance_px", o.min_distance_px, 2.0, 100.0);
-  v->Range("vio.pixel_noise_px", o.pixel_noise_px, 0.0, 5.0);
-  v->Range("vio.outlier_fraction", o.outlier_fraction, 0.0, 0.9);
-  v->Range("vio.keyframe_parallax_px", o.keyframe_parallax_px, 0.0, 200.0);
-  v->Range("vio.drift_min", o.drift_min, 0.0, 0.2);
-  v->Range("vio.drift_max", o.drift_max, 0.0, 0.2);
-  v->Require(o.drift_min <= o.drift_max,
-             fmt::format("vio.drift_min: {} is above drift_max {}", o.drift_min, o.drift_max));
-  v->Range("vio.tilt_noise_deg", o.tilt_noise_deg, 0.0, 5.0);
-  v->Range("vio.keyframe_delay_s", o.keyframe_delay_s, 0.0, 2.0);
-  v->Range("vio.odometry_delay_s", o.odometry_delay_s, 0.0, 2.0);
+std::vector<std::string> Violations(const VioOptions& o) {
+  Requirements r;
+  r.Range("max_points", o.max_points, 10, 1000);
+  r.Range("min_distance_px", o.min_distance_px, 2.0, 100.0);
+  r.Range("pixel_noise_px", o.pixel_noise_px, 0.0, 5.0);
+  r.Range("outlier_fraction", o.outlier_fraction, 0.0, 0.9);
+  r.Range("keyframe_parallax_px", o.keyframe_parallax_px, 0.0, 200.0);
+  r.Range("drift_min", o.drift_min, 0.0, 0.2);
+  r.Range("drift_max", o.drift_max, 0.0, 0.2);
+  r.That(o.drift_min <= o.drift_max,
+         fmt::format("drift_min: {} is above drift_max {}", o.drift_min, o.drift_max));
+  r.Range("tilt_noise_deg", o.tilt_noise_deg, 0.0, 5.0);
+  r.Range("keyframe_delay_s", o.keyframe_delay_s, 0.0, 2.0);
+  r.Range("odometry_delay_s", o.odometry_delay_s, 0.0, 2.0);
+  return r.errors();
 }
 
 }  // namespace
 
 std::vector<std::string> SimOptions::Validate() const {
-  Violations violations;
-  violations.Range("threads", threads, 0, 1024);
-  violations.Require(start_stamp_ns >= 0 && start_stamp_ns < 4000000000LL * 1000000000LL,
-                     fmt::format("start_stamp_ns: {} does not fit a ROS stamp", start_stamp_ns));
-  CheckWorld(world, &violations);
-  CheckFlight(flight, &violations);
-  violations.Range("camera.scale", camera.scale, 0.1, 2.0);
-  CheckSensor(sensor, &violations);
-  CheckImu(imu, &violations);
-  CheckVio(vio, &violations);
-  return violations.list();
+  Requirements r;
+  r.Range("threads", threads, 0, 1024);
+  r.That(start_stamp_ns >= 0 && start_stamp_ns < 4000000000LL * 1000000000LL,
+         "start_stamp_ns",
+         start_stamp_ns,
+         "a stamp of ROS");
+  r.Group("world", Violations(world));
+  r.Group("flight", Violations(flight));
+  r.Range("camera.scale", camera.scale, 0.1, 2.0);
+  r.Group("sensor", Violations(sensor));
+  r.Group("imu", Violations(imu));
+  r.Group("vio", Violations(vio));
+  return r.errors();
 }
 
 std::vector<std::string> PresetNames() {

@@ -1,12 +1,14 @@
 #include "deja_view/lab/sim/scene.hpp"
 
+#include "deja_view/base/angles.hpp"
+
 #include <cmath>
 #include <limits>
 
 namespace deja_view::sim {
 namespace {
 
-constexpr double kTwoPi = 6.283185307179586;
+constexpr double kTwoPi = 2 * kPi;
 
 struct Candidate {
   double range, u, v;

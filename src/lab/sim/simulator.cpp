@@ -1,6 +1,7 @@
 #include "deja_view/lab/sim/simulator.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/requirements.hpp"
 #include "deja_view/lab/sim/image_sensor.hpp"
 #include "deja_view/lab/sim/vio_front_end.hpp"
 
@@ -17,10 +18,7 @@ namespace {
 constexpr double kNsPerSecond = 1e9;
 
 const SimOptions& CheckedOptions(const SimOptions& options) {
-  const auto violations = options.Validate();
-  if (!violations.empty()) {
-    ThrowInputError("simulation options: {}", fmt::join(violations, "; "));
-  }
+  RejectAny(options.Validate(), "simulation options");
   return options;
 }
 

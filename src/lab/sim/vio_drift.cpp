@@ -1,5 +1,6 @@
 #include "deja_view/lab/sim/vio_drift.hpp"
 
+#include "deja_view/base/angles.hpp"
 #include "deja_view/lab/sim/random.hpp"
 
 #include <algorithm>
@@ -61,7 +62,7 @@ void VioDrift::DrawNoise(const FlightPath& path, const VioOptions& options, std:
   Markov vz(4.0, &rng);
   Markov roll(20.0, &rng);
   Markov pitch(20.0, &rng);
-  const double tilt = options.tilt_noise_deg * 3.14159265358979 / 180.0;
+  const double tilt = ToRadians(options.tilt_noise_deg);
   const auto steps = static_cast<std::size_t>(std::ceil(path.duration() / kStep)) + 1;
   for (std::size_t i = 0; i < steps; ++i) {
     // An odometry that does not move does not drift either, or hardly.

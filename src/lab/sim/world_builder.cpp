@@ -1,5 +1,6 @@
 #include "world_builder.hpp"
 
+#include "deja_view/base/angles.hpp"
 #include "deja_view/base/parallel.hpp"
 
 #include <algorithm>
@@ -11,7 +12,6 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr double kPi = 3.14159265358979;
 constexpr double kLane = 0.58;  // semi-axes of the lane over those of the hall
 
 /// How many different textures of each material a hall has without repetition.

@@ -142,7 +142,8 @@ class Replay {
 
   void TellDrop(DropReason reason, std::int64_t stamp_ns) {
     if (callbacks_.on_problem) {
-      callbacks_.on_problem(fmt::format("message of stamp {} ns: {}", stamp_ns, ToString(reason)));
+      callbacks_.on_problem(
+          fmt::format("message of stamp {} ns: {}", stamp_ns, EnumToString(reason)));
     }
   }
 

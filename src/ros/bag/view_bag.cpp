@@ -1,6 +1,7 @@
 #include "deja_view/ros/bag/view_bag.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/hash.hpp"
 #include "deja_view/base/parallel.hpp"
 #include "deja_view/camera/camera_parameters.hpp"
 #include "deja_view/io/config_node.hpp"
@@ -73,7 +74,7 @@ std::uint64_t HashJob(const ViewJob& job, const std::vector<SourceImage>& images
                         T.q.y(),
                         T.q.z());
   }
-  return HashText(text);
+  return Hash64(text);
 }
 
 // Makes and stores the views of one image.
@@ -228,7 +229,7 @@ ViewReport RenderViews(
   report.without_pose = all.without_pose;
   report.sources = static_cast<std::int64_t>(share.size());
   const fs::path work = job.out.string() + ".work";
-  const ViewStore store(work, job_hash ^ HashText(job.sub_map.settings));
+  const ViewStore store(work, job_hash ^ Hash64(job.sub_map.settings));
   std::vector<SourceImage> missing;
   for (const SourceImage& image : share) {
     if (!job.resume || !store.Read(image.stamp_ns)) {
@@ -243,7 +244,7 @@ ViewReport RenderViews(
     flown_N.push_back(image.T_N_C.t);
   }
   const ViewMaker maker(
-      job.options, job.content, job.camera, std::move(flown_N), HashText(OwnSettings(job)));
+      job.options, job.content, job.camera, std::move(flown_N), Hash64(OwnSettings(job)));
   std::size_t done = share.size() - missing.size();
   MakeMissing(
       job, maker, make_renderer, missing, store, [&] { on_progress(++done, share.size()); });

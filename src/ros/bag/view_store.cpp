@@ -2,6 +2,7 @@
 
 #include "deja_view/base/atomic_file.hpp"
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/hash.hpp"
 
 #include <cstring>
 #include <fstream>
@@ -16,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char kMagic[8] = {'D', 'V', 'V', 'I', 'E', 'W', '1', '\n'};
+constexpr char kMagic[8] = {'D', 'V', 'V', 'I', 'E', 'W', '2', '\n'};
 constexpr const char* kExtension = ".views";
 
 // All but the frames, as it lies in the file; results move between runs on one machine only.
@@ -37,15 +38,6 @@ struct Header {
   std::int32_t frames;
 };
 static_assert(sizeof(Header) == 96, "no padding");
-
-// FNV-1a, 64 bits.
-std::uint64_t Hash(const std::string& bytes) {
-  std::uint64_t hash = 14695981039346656037U;
-  for (const char byte : bytes) {
-    hash = (hash ^ static_cast<std::uint8_t>(byte)) * 1099511628211U;
-  }
-  return hash;
-}
 
 std::string Serialize(const std::vector<VirtualFrame>& frames) {
   std::string bytes;
@@ -86,7 +78,7 @@ void ViewStore::Write(const SourceResult& result) const {
   Header header{};
   std::memcpy(header.magic, kMagic, sizeof(kMagic));
   header.settings_hash = settings_hash_;
-  header.body_hash = Hash(body);
+  header.body_hash = Hash64(body);
   header.stamp_ns = result.stamp_ns;
   header.recorded_ns = result.recorded_ns;
   header.gain = result.fit.gain;
@@ -113,7 +105,7 @@ std::optional<SourceResult> ViewStore::Read(std::int64_t stamp_ns) const {
   std::string body((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
   if (std::memcmp(header.magic, kMagic, sizeof(kMagic)) != 0 ||
       header.settings_hash != settings_hash_ || header.stamp_ns != stamp_ns ||
-      header.body_hash != Hash(body)) {
+      header.body_hash != Hash64(body)) {
     return std::nullopt;
   }
   SourceResult result;

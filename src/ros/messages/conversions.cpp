@@ -1,5 +1,6 @@
 #include "deja_view/ros/messages/conversions.hpp"
 
+#include "deja_view/base/angles.hpp"
 #include "deja_view/base/check.hpp"
 
 #include <array>
@@ -214,7 +215,7 @@ RelativePoseUpdate FromRelativePose(const nav_msgs::Odometry& message, const std
   if (!(index >= 0 && index <= std::numeric_limits<int>::max())) {
     ThrowInputError("{}: keyframe index {}: expected 0 or more", topic, index);
   }
-  update.relative_yaw = yaw_deg * M_PI / 180.0;
+  update.relative_yaw = ToRadians(yaw_deg);
   update.current = static_cast<int>(std::lround(index));
   return update;
 }

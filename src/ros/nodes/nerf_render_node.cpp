@@ -1,6 +1,7 @@
 #include "deja_view/ros/nodes/nerf_render_node.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/hash.hpp"
 #include "deja_view/io/options_yaml.hpp"
 #include "deja_view/nerf/checkpoint.hpp"
 #include "deja_view/ros/messages/conversions.hpp"
@@ -193,7 +194,7 @@ void NerfRenderNode::Load(const std::string& name) {
                                            content_.depth,
                                            OptionsToYaml(options_));
   scene->maker = std::make_unique<ViewMaker>(
-      options_, content_, vins_.camera, std::vector<Eigen::Vector3d>(), HashText(settings));
+      options_, content_, vins_.camera, std::vector<Eigen::Vector3d>(), Hash64(settings));
   const std::lock_guard<std::mutex> lock(scene_mutex_);
   scene_ = std::move(scene);
 }

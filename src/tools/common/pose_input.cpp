@@ -1,5 +1,6 @@
 #include "common/pose_input.hpp"
 
+#include "deja_view/base/angles.hpp"
 #include "deja_view/base/check.hpp"
 #include "deja_view/io/trajectory_file.hpp"
 
@@ -66,7 +67,7 @@ nlohmann::ordered_json ToJson(const RobustAlignment& alignment) {
   json["inlier_share"] = alignment.inlier_share;
   json["rmse_m"] = alignment.rmse_m;
   json["max_m"] = alignment.max_m;
-  json["rotation_deg"] = alignment.rotation_rad * 180 / M_PI;
+  json["rotation_deg"] = ToDegrees(alignment.rotation_rad);
   json["scale"] = alignment.A_B.scale;
   return json;
 }

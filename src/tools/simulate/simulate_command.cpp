@@ -3,6 +3,7 @@
 #include "deja_view/base/atomic_file.hpp"
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/progress.hpp"
+#include "deja_view/camera/depth_image.hpp"
 #include "deja_view/io/options_yaml.hpp"
 #include "deja_view/io/tum.hpp"
 #include "deja_view/lab/sim/camera_yaml.hpp"
@@ -60,19 +61,6 @@ class PendingDirectory {
  private:
   fs::path path_, temporary_;
 };
-
-/// Range [m] as 16-bit millimetres; 0 where nothing is hit or too far for 16 bits.
-cv::Mat ToMillimetres(const cv::Mat& range) {
-  cv::Mat millimetres(range.size(), CV_16UC1);
-  for (int y = 0; y < range.rows; ++y) {
-    for (int x = 0; x < range.cols; ++x) {
-      const float value = 1000.0F * range.at<float>(y, x);
-      millimetres.at<std::uint16_t>(y, x) =
-          value < 65535.0F ? static_cast<std::uint16_t>(std::lround(value)) : std::uint16_t{0};
-    }
-  }
-  return millimetres;
-}
 
 /// Writes images and ranges, counts, and passes everything on to the bag.
 class FlightFiles : public sim::FlightSink {

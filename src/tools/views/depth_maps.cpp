@@ -1,6 +1,7 @@
 #include "views/depth_maps.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/hash.hpp"
 #include "deja_view/host/keyframe_assembler.hpp"
 #include "deja_view/io/config_node.hpp"
 #include "deja_view/nerf/image_readers.hpp"
@@ -46,7 +47,7 @@ std::string DepthMaps::Describe() const {
     text += fmt::format("{} {}\n", key, std::filesystem::file_size(map.depth.path, error));
   }
   return fmt::format(
-      "depth maps: {} {} {} {:016x}\n", maps_.size(), files_.along, files_.unit_m, HashText(text));
+      "depth maps: {} {} {} {:016x}\n", maps_.size(), files_.along, files_.unit_m, Hash64(text));
 }
 
 std::shared_ptr<const DepthMaps> OpenDepthMaps(const DepthMapFiles& files,

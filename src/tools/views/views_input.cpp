@@ -1,6 +1,7 @@
 #include "views/views_input.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/hash.hpp"
 #include "deja_view/io/options_yaml.hpp"
 #include "deja_view/io/tum.hpp"
 #include "deja_view/io/vins_config.hpp"
@@ -141,7 +142,7 @@ ViewModel ReadModel(const fs::path& path, const PosedJob& posed) {
   if (cells.IsCut()) {
     model.sub_map.settings = model.settings.substr(0, model.settings.size() - 1);
     model.settings = fmt::format(
-        "sub-maps: {} {:016x}\n", cells.cells.size(), HashText(DescribeCells(cells.cells)));
+        "sub-maps: {} {:016x}\n", cells.cells.size(), Hash64(DescribeCells(cells.cells)));
     model.sub_map.shard = cells.shard();
     model.sub_map.is_own = [cells, N_W = W_N.Inverse()](const Eigen::Vector3d& p_W) {
       return cells.IsOwn(N_W * p_W);
@@ -155,7 +156,7 @@ std::uint64_t HashFile(const fs::path& path) {
   if (!in) {
     ThrowInputError("{}: can't be read", path.string());
   }
-  return HashText({std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()});
+  return Hash64({std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()});
 }
 
 ViewRendererFactory WarpFactory(std::shared_ptr<const Camera> camera,

@@ -129,16 +129,6 @@ TEST(OptionsYaml, WritesWhatItReads) {
   EXPECT_TRUE(read.radii.empty());
 }
 
-TEST(OptionsYaml, HashTellsOptionsApart) {
-  Outer options;
-  const std::uint64_t hash = HashOptions(options);
-  EXPECT_EQ(HashOptions(Outer{}), hash);
-  options.points[1].y = 4.5000000001;
-  EXPECT_NE(HashOptions(options), hash);
-  EXPECT_EQ(HashText(""), 0xCBF29CE484222325U);  // of the FNV-1a reference
-  EXPECT_EQ(HashText("foobar"), 0x85944171F73967E8U);
-}
-
 TEST(OptionsYaml, UnknownKeysSuggestTheNearest) {
   EXPECT_THAT(ErrorOf("count: 1\nradius: [1]\n"),
               HasSubstr("file.yaml:2: unknown key 'radius'; did you mean 'radii'?"));

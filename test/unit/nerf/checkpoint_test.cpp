@@ -76,14 +76,6 @@ TEST_F(CheckpointTest, SubMapsComeBackWithTheirCells) {
   EXPECT_EQ(read.exposures[1].image, "two");
 }
 
-// So that older programs read new models in one piece, too.
-TEST_F(CheckpointTest, FieldsInOnePieceKeepTheirVersion) {
-  std::vector<char> bytes = Bytes(WriteSample());
-  EXPECT_EQ(bytes[8], 2);
-  bytes[8] = 3;  // says that there are cells
-  EXPECT_THROW(ReadField(Write(bytes)), InputError);
-}
-
 TEST_F(CheckpointTest, CellsThatMakeNoSenseAreAnError) {
   RadianceField field = ReadField(WriteSample());
   const auto is_refused = [&](const SceneCells& cells) {

@@ -11,7 +11,15 @@ namespace {
 
 std::set<std::uint32_t> Content(const SlotSet& set) {
   std::set<std::uint32_t> content;
-  set.ForEach([&](std::uint32_t slot) { EXPECT_TRUE(content.insert(slot).second); });
+  if (!set.is_bitmap()) {
+    content.insert(set.list(), set.list() + set.size());
+    return content;
+  }
+  for (std::uint32_t slot = 0; slot < 32 * set.bitmap_words(); ++slot) {
+    if ((set.bitmap()[slot / 32] >> (slot % 32) & 1U) != 0) {
+      content.insert(slot);
+    }
+  }
   return content;
 }
 

@@ -138,36 +138,18 @@ TEST(WordScoring, AnImageOfOneWordHasFiniteWeights) {
   EXPECT_EQ(WeighWords({{1, 0.0}}, WordWeighting::kText)[0].weight, 0.0);
 }
 
-TEST(WordScoring, DistancesByHand) {
-  // Eq. 11, 12: differences 3, -4 and 12.
-  const WeightedBow a = {{0, 3.0}, {1, 1.0}};
-  const WeightedBow b = {{1, 5.0}, {2, 12.0}};
-  EXPECT_NEAR(EuclideanDistance(a, b), 13.0, kTight);
-  EXPECT_NEAR(ManhattanDistance(a, b), 19.0, kTight);
-}
-
 TEST(WordScoring, SimilaritiesByHand) {
   const WeightedBow a = {{0, 3.0}, {1, 1.0}};
   const WeightedBow b = {{0, 1.0}, {1, 1.0}};
-  // L1: |3/4 - 1/2| + |1/4 - 1/2| = 1/2. Eq. 13: 4 / (sqrt 10 sqrt 2).
-  EXPECT_NEAR(L1Similarity(a, b), 0.75, kTight);
   EXPECT_NEAR(CosineSimilarity(a, b), 4.0 / std::sqrt(20.0), kTight);
-  // |x - y|^2 = 2 - 2 cos.
-  EXPECT_NEAR(L2Similarity(a, b), 1 - 0.5 * std::sqrt(2 - 8 / std::sqrt(20.0)), kTight);
 }
 
 TEST(WordScoring, SimilaritiesHaveTheirRange) {
   const WeightedBow a = {{0, 3.0}, {1, 1.0}};
   const WeightedBow other = {{5, 2.0}};
   const WeightedBow twice = {{0, 6.0}, {1, 2.0}};
-  EXPECT_NEAR(L1Similarity(a, twice), 1.0, kTight);
-  EXPECT_NEAR(L2Similarity(a, twice), 1.0, kTight);
   EXPECT_NEAR(CosineSimilarity(a, twice), 1.0, kTight);
-  EXPECT_NEAR(L1Similarity(a, other), 0.0, kTight);
-  EXPECT_NEAR(L2Similarity(a, other), 1 - std::sqrt(0.5), kTight);
   EXPECT_EQ(CosineSimilarity(a, other), 0.0);
-  EXPECT_EQ(L1Similarity(a, {}), 0.0);
-  EXPECT_EQ(L2Similarity(a, {}), 0.0);
   EXPECT_EQ(CosineSimilarity(a, {}), 0.0);
 }
 

@@ -73,7 +73,7 @@ TEST(ViewGateTest, OptionsNameWhatIsWrong) {
   options.min_opacity = 2;
   options.scale = 0;
   EXPECT_THAT(options.Validate(),
-              ElementsAre(HasSubstr("min_opacity is 2"), HasSubstr("scale is 0")));
+              ElementsAre(HasSubstr("min_opacity: 2"), HasSubstr("scale: 0")));
 }
 
 }  // namespace

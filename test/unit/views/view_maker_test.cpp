@@ -120,9 +120,9 @@ TEST(ViewMakerTest, OptionsNameTheirGroup) {
   options.rendering.network.clear();
   options.jpeg_quality = 0;
   EXPECT_THAT(options.Validate(),
-              ::testing::ElementsAre(::testing::HasSubstr("sampling.views is -1"),
+              ::testing::ElementsAre(::testing::HasSubstr("sampling.views: -1"),
                                      ::testing::HasSubstr("rendering.network is empty"),
-                                     ::testing::HasSubstr("jpeg_quality is 0")));
+                                     ::testing::HasSubstr("jpeg_quality: 0")));
 }
 
 }  // namespace

@@ -148,15 +148,15 @@ TEST(SelectSourcesTest, GivesAPlaceViewsOnce) {
 TEST(SelectSourcesTest, OptionsNameWhatIsWrong) {
   SourceOptions sources;
   sources.every_m = -1;
-  EXPECT_THAT(sources.Validate(), ElementsAre(HasSubstr("every_m is -1")));
+  EXPECT_THAT(sources.Validate(), ElementsAre(HasSubstr("every_m: -1")));
   SamplingOptions sampling;
   sampling.min_radius_m = 1;
   sampling.spacing_min_m = 2;
   sampling.rotation_deg = NAN;
   EXPECT_THAT(sampling.Validate(),
-              ElementsAre(HasSubstr("min_radius_m is 1"),
-                          HasSubstr("spacing_min_m is 2"),
-                          HasSubstr("rotation_deg is nan")));
+              ElementsAre(HasSubstr("min_radius_m: 1"),
+                          HasSubstr("spacing_min_m: 2"),
+                          HasSubstr("rotation_deg: nan")));
 }
 
 }  // namespace

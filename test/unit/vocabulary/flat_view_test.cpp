@@ -1,4 +1,5 @@
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/hash.hpp"
 
 #include <cstring>
 #include <random>
@@ -32,10 +33,10 @@ class FlatViewTest : public ::testing::Test {
   void Rehash() {
     for (FlatSection& section : header()->sections) {
       if (section.offset <= size() && section.size <= size() - section.offset) {
-        section.hash = HashBytes(data() + section.offset, section.size);
+        section.hash = Hash64(data() + section.offset, section.size);
       }
     }
-    header()->header_hash = HashBytes(header(), offsetof(FlatHeader, header_hash));
+    header()->header_hash = Hash64(header(), offsetof(FlatHeader, header_hash));
   }
 
   void ExpectRefused(const std::string& field) {

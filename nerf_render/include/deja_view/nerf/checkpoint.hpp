@@ -6,12 +6,7 @@
 
 namespace deja_view::nerf {
 
-/// Writes a field, whole or not at all (WriteFileAtomically). Little endian:
-///   8 bytes "DVNERF\r\n", uint32 version, uint32 0, uint64 length of the body, body, uint64 FNV-1a
-///   of the body, taken over 8-byte words
-/// Fields of a scene in one piece, in the world of their poses, are of version 2; those of a
-/// sub-map of version 3, which has its cells at the body's end; those in a frame of their own of
-/// version 4, with cells, of which there may be none, and frame.
+/// Writes a field as a binary file (BinaryFormat), whole or not at all.
 void WriteField(const std::filesystem::path& path, const RadianceField& field);
 
 /// Reads what WriteField wrote. Throws InputError that names the path for a file that is missing,

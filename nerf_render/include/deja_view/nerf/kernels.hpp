@@ -12,7 +12,7 @@ namespace deja_view::nerf {
 /// are found in 3.4 places on average instead of eight:
 ///   entry (i, j, k) = 8 brick(i/2, j/2, k/2) + i%2 + 2 (j%2) + 4 (k%2)
 ///   dense   brick(a, b, c) = a + b stride_y + c stride_z
-///   hashed  brick(a, b, c) = (a ^ b 2654435761 ^ c 805459861) & mask   (Mueller et al., Eq. 4)
+///   hashed  brick(a, b, c) = (a ^ b 2654435761 ^ c 805459861) & mask   (Müller et al., eq. 4)
 struct GridLevel {
   float scale = 1;  ///< cells per unit length
   std::uint32_t stride_y = 0;

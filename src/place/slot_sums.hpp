@@ -5,38 +5,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "kernels.hpp"
 #include "slot_set.hpp"
 
 namespace deja_view::internal {
-
-/// A bitmap of slots, and what to add to the sum of each.
-template <typename Sum>
-struct WeightedBitmap {
-  const std::uint32_t* bits;
-  std::uint32_t words;  ///< a multiple of kBlockWords
-  Sum weight;
-};
-
-/// sums[slot] += weight for all slots of all bitmaps.
-template <typename Sum>
-using AddBitmapsFunction = void (*)(const std::vector<WeightedBitmap<Sum>>& bitmaps, Sum* sums);
-
-/// One implementation; all give the same sums.
-struct AccumulateKernel {
-  const char* name;
-  AddBitmapsFunction<std::uint32_t> add_32;
-  AddBitmapsFunction<std::uint64_t> add_64;
-
-  void Add(const std::vector<WeightedBitmap<std::uint32_t>>& bitmaps, std::uint32_t* sums) const {
-    add_32(bitmaps, sums);
-  }
-  void Add(const std::vector<WeightedBitmap<std::uint64_t>>& bitmaps, std::uint64_t* sums) const {
-    add_64(bitmaps, sums);
-  }
-};
-
-/// The implementations that this processor can run, the fastest first.
-std::vector<AccumulateKernel> AvailableAccumulateKernels();
 
 /// Sums of weights per slot.
 template <typename Sum>
@@ -81,8 +53,8 @@ class SlotSums {
     }
   }
 
-  void Finish(const AccumulateKernel& kernel) {
-    kernel.Add(bitmaps_, sums_.data());
+  void Finish() {
+    AddBitmaps(bitmaps_, sums_.data());
     bitmaps_.clear();
   }
 
