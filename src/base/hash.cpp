@@ -2,6 +2,9 @@
 
 #include "deja_view/base/check.hpp"
 
+#include <array>
+#include <fstream>
+
 #include <xxhash.h>
 
 namespace deja_view {
@@ -37,6 +40,19 @@ void Hasher64::Add(const void* data, std::size_t size) {
 
 std::uint64_t Hasher64::value() const {
   return XXH64_digest(state_->xxh.get());
+}
+
+std::uint64_t Hash64OfFile(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in || std::filesystem::is_directory(path)) {
+    ThrowInputError("{}: can't be read", path.string());
+  }
+  Hasher64 hasher;
+  std::array<char, 1 << 16> block{};
+  while (in.read(block.data(), block.size()) || in.gcount() > 0) {
+    hasher.Add(block.data(), static_cast<std::size_t>(in.gcount()));
+  }
+  return hasher.value();
 }
 
 }  // namespace deja_view

@@ -56,6 +56,12 @@ PoseFrame FindPoseFrame(const Trajectory& T_N_C,
   return frame;
 }
 
+Rigid3 CameraInFrame(const Similarity3& W_N, const Rigid3& T_W_C) {
+  Rigid3 T_N_C = W_N.T_A_B.Inverse() * T_W_C;
+  T_N_C.t /= W_N.scale;
+  return T_N_C;
+}
+
 SimilarityRenderer::SimilarityRenderer(std::shared_ptr<const ViewRenderer> renderer,
                                        const Similarity3& W_N)
     : renderer_(std::move(renderer)), W_N_(W_N) {
@@ -65,9 +71,7 @@ SimilarityRenderer::SimilarityRenderer(std::shared_ptr<const ViewRenderer> rende
 RenderedView SimilarityRenderer::Render(const Camera& camera,
                                         const Rigid3& T_W_C,
                                         const ViewRenderOptions& options) const {
-  Rigid3 T_N_C = W_N_.T_A_B.Inverse() * T_W_C;
-  T_N_C.t /= W_N_.scale;
-  RenderedView view = renderer_->Render(camera, T_N_C, options);
+  RenderedView view = renderer_->Render(camera, CameraInFrame(W_N_, T_W_C), options);
   view.depth *= W_N_.scale;
   view.depth_variance *= W_N_.scale * W_N_.scale;
   return view;

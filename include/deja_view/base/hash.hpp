@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string_view>
 
@@ -28,5 +29,8 @@ class Hasher64 {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+/// Hash64 of a file's bytes. Throws InputError that names it.
+std::uint64_t Hash64OfFile(const std::filesystem::path& path);
 
 }  // namespace deja_view

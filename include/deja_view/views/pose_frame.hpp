@@ -49,6 +49,9 @@ PoseFrame FindPoseFrame(const Trajectory& T_N_C,
                         const PoseFitOptions& options,
                         const std::string& what);
 
+/// T_N_C, in the unit of N.
+Rigid3 CameraInFrame(const Similarity3& W_N, const Rigid3& T_W_C);
+
 /// Shows in the world W what a renderer knows in its own frame N: depths come out in W's unit.
 class SimilarityRenderer final : public ViewRenderer {
  public:

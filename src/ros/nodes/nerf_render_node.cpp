@@ -3,9 +3,9 @@
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/hash.hpp"
 #include "deja_view/io/options_yaml.hpp"
-#include "deja_view/nerf/checkpoint.hpp"
 #include "deja_view/ros/messages/conversions.hpp"
 #include "deja_view/ros/messages/virtual_frame_conversion.hpp"
+#include "deja_view/scene/open_scene_model.hpp"
 
 #include <utility>
 
@@ -180,15 +180,14 @@ bool NerfRenderNode::LoadModel(NamedMap::Request& request, NamedMap::Response& r
 }
 
 void NerfRenderNode::Load(const std::string& name) {
-  const auto path = models_.Resolve(name);
+  const auto model = OpenSceneModel(models_.Resolve(name));
+  const Similarity3 W_N = model->FindFrame(std::nullopt);
   auto scene = std::make_shared<Scene>();
-  scene->field = std::make_shared<nerf::RadianceField>(nerf::ReadField(path));
-  const Similarity3& W_N = nerf::RequireFrame(scene->field->frame, path);
+  scene->cells = model->cells();
   scene->N_W = W_N.Inverse();
-  scene->renderer = PlaceInWorld(std::make_shared<nerf::FieldRenderer>(scene->field), W_N);
-  const std::string settings = fmt::format("node {} {} {} {} {}\n{}",
-                                           path.filename().string(),
-                                           std::filesystem::file_size(path),
+  scene->renderers = RenderersInWorld(model, W_N);
+  const std::string settings = fmt::format("node {} {} {} {}\n{}",
+                                           model->Describe(),
                                            W_N.scale,
                                            content_.features,
                                            content_.depth,
@@ -214,7 +213,7 @@ void NerfRenderNode::Render(const PosedSource& posed) {
   if (scene == nullptr) {
     ThrowInputError("no model is loaded: expected a call of ~load_model first");
   }
-  if (!scene->field->cells.IsOwn(scene->N_W * posed.T_N_C.t)) {
+  if (!scene->cells.IsOwn(scene->N_W * posed.T_N_C.t)) {
     ++elsewhere_;
     return;
   }
@@ -227,7 +226,7 @@ void NerfRenderNode::Render(const PosedSource& posed) {
                     vins_.camera->width(),
                     vins_.camera->height());
   }
-  const MadeViews made = scene->maker->Make(source, *scene->renderer, 0);
+  const MadeViews made = scene->maker->Make(source, *scene->renderers(source, {}), 0);
   if (!made.is_recognised) {
     ThrowInputError("the model does not show the image of stamp {} ns: correlation {:.2f}",
                     posed.stamp_ns,

@@ -28,7 +28,7 @@ Json RunNerfEval(const NerfEvalRequest& request) {
   if (split.held_out.empty()) {
     ThrowInputError("no image is held out: expected --holdout N as in the training");
   }
-  const nerf::SceneCells& cells = renderer.field().cells;
+  const SceneCells& cells = renderer.field().cells;
   if (cells.IsCut()) {
     CheckShard(request.shard, cells, request.model.string());
   }

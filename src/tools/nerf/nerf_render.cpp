@@ -1,9 +1,8 @@
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/progress.hpp"
 #include "deja_view/io/vins_config.hpp"
-#include "deja_view/nerf/checkpoint.hpp"
-#include "deja_view/nerf/field_renderer.hpp"
 #include "deja_view/nerf/image_readers.hpp"
+#include "deja_view/scene/open_scene_model.hpp"
 
 #include <memory>
 #include <optional>
@@ -72,8 +71,8 @@ Json RunNerfRender(const NerfRenderRequest& request) {
   const Interrupt interrupt;
   const std::vector<Shot> shots =
       request.transforms.empty() ? ShotsOfTrajectory(request) : ShotsOfTransforms(request);
-  const nerf::FieldRenderer renderer(
-      std::make_shared<nerf::RadianceField>(nerf::ReadField(request.model)));
+  const auto model = OpenSceneModel(request.model);
+  const auto renderer = model->RendererFor({}, {});
   std::vector<double> times_ms;
   std::optional<Progress> progress;
   if (request.show_progress) {
@@ -82,9 +81,9 @@ Json RunNerfRender(const NerfRenderRequest& request) {
   for (const Shot& shot : shots) {
     interrupt.Check();
     const auto start = Clock::now();
-    const nerf::Exposure exposure = renderer.ExposureAt(shot.stamp_ns);
+    const SceneExposure exposure = model->ExposureAt(shot.stamp_ns);
     const RenderedView view =
-        renderer.Render(*shot.camera, shot.T_N_C, {exposure.gain, exposure.bias, request.threads});
+        renderer->Render(*shot.camera, shot.T_N_C, {exposure.gain, exposure.bias, request.threads});
     times_ms.push_back(1e3 * SecondsSince(start));
     WriteViews(request, view, times_ms.size() - 1);
     if (progress) {

@@ -50,7 +50,7 @@ nerf::SceneBox MakeBox(const NerfTrainRequest& request,
 // What a training starts from.
 struct Beginning {
   std::optional<nerf::RadianceField> field;  // to go on with
-  nerf::SceneCells cells;
+  SceneCells cells;
   std::vector<nerf::PosedImage> images;
 };
 
@@ -68,7 +68,7 @@ Beginning Begin(const NerfTrainRequest& request) {
     beginning.cells = beginning.field->cells;
     CheckShard(request.shard, beginning.cells, request.resume.string());
   }
-  const nerf::SceneCells& cells = beginning.cells;
+  const SceneCells& cells = beginning.cells;
   beginning.images = cells.IsCut() ? nerf::SelectCellImages(split.training, cells.own())
                                    : std::move(split.training);
   if (beginning.images.empty()) {

@@ -7,8 +7,8 @@
 
 namespace deja_view {
 
-nerf::SceneCells CutScene(const nerf::Split& split, const std::string& shard) {
-  nerf::SceneCells cells;
+SceneCells CutScene(const nerf::Split& split, const std::string& shard) {
+  SceneCells cells;
   if (shard.empty()) {
     return cells;
   }
@@ -26,7 +26,7 @@ nerf::SceneCells CutScene(const nerf::Split& split, const std::string& shard) {
   return cells;
 }
 
-void CheckShard(const std::string& shard, const nerf::SceneCells& cells, const std::string& model) {
+void CheckShard(const std::string& shard, const SceneCells& cells, const std::string& model) {
   const Shard own = cells.shard();
   if (!shard.empty() && ParseShard("--shard", shard) != own) {
     ThrowInputError("--shard {}: {} is the model of {}/{}: leave --shard out",
@@ -37,7 +37,7 @@ void CheckShard(const std::string& shard, const nerf::SceneCells& cells, const s
   }
 }
 
-void KeepOwnImages(const nerf::SceneCells& cells, nerf::Split* split) {
+void KeepOwnImages(const SceneCells& cells, nerf::Split* split) {
   nerf::Split own;
   for (std::size_t i = 0; i < split->held_out.size(); ++i) {
     if (cells.IsOwn(split->held_out[i].T_N_C.t)) {

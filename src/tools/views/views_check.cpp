@@ -1,6 +1,7 @@
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/progress.hpp"
 #include "deja_view/features/make_feature_extractor.hpp"
+#include "deja_view/scene/open_scene_model.hpp"
 #include "deja_view/views/view_matching.hpp"
 
 #include <algorithm>
@@ -120,18 +121,23 @@ std::map<std::string, ViewUpscaler> MakeWays(UpscalingOptions options,
   return ways;
 }
 
+// The images of a flight as their own model.
+ViewRendererFactory OpenWarp(const ViewJob& job, const std::shared_ptr<const DepthMaps>& maps) {
+  return RenderersInWorld(OpenSceneModel({"warp", {}, job.camera, maps}), {});
+}
+
 class Check {
  public:
   // `flown_N`: positions of the camera along the flight.
   Check(const ViewsCheckRequest& request,
         const ViewJob& job,
-        std::shared_ptr<const ViewRenderer> renderer,
+        ViewRendererFactory renderers,
         const std::shared_ptr<const DepthMaps>& maps,
         const std::vector<Eigen::Vector3d>& flown_N)
       : job_(job),
-        renderer_(std::move(renderer)),
-        warp_(WarpFactory(job_.camera, nullptr)),
-        depth_warp_(maps ? WarpFactory(job_.camera, maps) : nullptr),
+        renderers_(std::move(renderers)),
+        warp_(OpenWarp(job, nullptr)),
+        depth_warp_(maps ? OpenWarp(job, maps) : nullptr),
         ways_(MakeWays(job_.options.rendering, request)),
         small_camera_(job_.camera->Scaled(job_.options.gate.scale)),
         gate_(job_.options.gate, job_.camera, flown_N),
@@ -139,10 +145,11 @@ class Check {
 
   // At the virtual poses that the radiance field offers for this image.
   void Add(const LoadedSource& sample, const ViewSource& next) {
+    const auto renderer = renderers_(sample.source, sample.points);
     const Features real = extractor_->Extract(sample.source.image);
     const cv::Mat depth =
-        renderer_->Render(*job_.camera, sample.source.T_N_C, {1, 0, job_.threads}).depth;
-    const ExposureFit fit = FitSourceExposure(*renderer_,
+        renderer->Render(*job_.camera, sample.source.T_N_C, {1, 0, job_.threads}).depth;
+    const ExposureFit fit = FitSourceExposure(*renderer,
                                               *job_.camera,
                                               sample.source,
                                               job_.options.fit_scale,
@@ -157,7 +164,7 @@ class Check {
     const auto warp = sample.points.empty() ? nullptr : warp_(sample.source, sample.points);
     const auto depth_warp = depth_warp_ ? depth_warp_(sample.source, {}) : nullptr;
     const auto accept = [&](const Rigid3& T_C_V) {
-      const GateVerdict verdict = gate_.Judge(*renderer_, sample.source.T_N_C, T_C_V);
+      const GateVerdict verdict = gate_.Judge(*renderer, sample.source.T_N_C, T_C_V);
       not_free_ += verdict == GateVerdict::kNotFree ? 1 : 0;
       uncertain_ += verdict == GateVerdict::kUncertain ? 1 : 0;
       return verdict == GateVerdict::kAccepted;
@@ -167,10 +174,10 @@ class Check {
       offer["stamp_ns"] = sample.source.stamp_ns;
       const Rigid3 T_N_V = sample.source.T_N_C * T_C_V;
       const std::optional<double> sigma = LeastDepthSigma(
-          renderer_->Render(*small_camera_, T_N_V, {1, 0, job_.threads}), job_.options.gate);
+          renderer->Render(*small_camera_, T_N_V, {1, 0, job_.threads}), job_.options.gate);
       offer["least_depth_sigma"] = sigma ? Json(*sigma) : Json(nullptr);
       for (const auto& [name, way] : ways_) {
-        offer[name] = Match(name, way, *renderer_, exposure, {real, depth, T_N_V, T_C_V});
+        offer[name] = Match(name, way, *renderer, exposure, {real, depth, T_N_V, T_C_V});
       }
       if (warp != nullptr) {
         offer["warp"] =
@@ -228,7 +235,7 @@ class Check {
   }
 
   const ViewJob& job_;
-  std::shared_ptr<const ViewRenderer> renderer_;
+  ViewRendererFactory renderers_;
   ViewRendererFactory warp_;
   ViewRendererFactory depth_warp_;  // null without depth maps
   std::map<std::string, ViewUpscaler> ways_;
@@ -289,12 +296,9 @@ Json RunViewsCheck(const ViewsCheckRequest& request) {
   const ViewJob& job = posed.job;
   const std::vector<SourceImage> images =
       FindSourceImages(*job.flight, job.topics, job.sources, job.T_N_C).images;
-  const ViewModel model = ReadModel(request.input.model, posed);
-  const auto maps = OpenDepthMaps(request.input.depth_maps, job.camera);
-  if (maps != nullptr) {
-    maps->CountImages(*job.flight, job.topics.image);
-  }
-  Check check(request, job, model.renderer, maps, Positions(images));
+  const ViewModel model = PlaceModel(OpenSceneModel(request.input.model), posed);
+  const auto maps = OpenFlightMaps(request.input.depth_maps, job);
+  Check check(request, job, model.renderers, maps, Positions(images));
   std::optional<Progress> progress;
   if (request.input.show_progress) {
     progress.emplace("matching", "images", static_cast<std::size_t>(request.count));

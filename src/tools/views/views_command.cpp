@@ -1,6 +1,7 @@
 #include "views/views_command.hpp"
 
 #include "deja_view/base/atomic_file.hpp"
+#include "deja_view/scene/open_scene_model.hpp"
 
 #include <iostream>
 #include <memory>
@@ -159,7 +160,7 @@ void AddRender(CLI::App* views, Command* command) {
   sub->add_option("--renderer",
                   request->renderer,
                   "nerf, or warp: the image itself by the VIO's points or --depth-maps")
-      ->check(CLI::IsMember({"nerf", "warp"}))
+      ->check(CLI::IsMember(SceneRenderers()))
       ->capture_default_str();
   sub->add_option("--content", request->content, "What a view carries")
       ->check(CLI::IsMember({"image", "features", "both"}))

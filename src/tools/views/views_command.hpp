@@ -1,5 +1,7 @@
 #pragma once
 
+#include "deja_view/scene/depth_maps.hpp"
+
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -15,13 +17,6 @@ struct FlightFiles {
   std::filesystem::path images;  ///< OpenImageFlight
   std::filesystem::path camera;  ///< VINS-Mono's YAML
   std::string image_topic;       ///< empty: the camera YAML's
-};
-
-/// 16-bit depth maps of a flight's images.
-struct DepthMapFiles {
-  std::filesystem::path directory;  ///< nerf::ListDepthMaps; empty: none
-  std::string along = "axis";  ///< what they measure: along the optical axis or the pixel's ray
-  double unit_m = 1e-3;
 };
 
 /// What views are made of: a flight, its poses and a model of the scene.
@@ -44,7 +39,7 @@ struct ViewsInput {
 /// What `deja_view views render` is told.
 struct ViewsRenderRequest {
   ViewsInput input;
-  std::string renderer = "nerf";  ///< or warp, which needs no model
+  std::string renderer = "nerf";  ///< one of SceneRenderers()
   std::string content = "image";  ///< or features, or both
   bool depth = false;
   bool plain_topics = false;

@@ -5,12 +5,8 @@
 #include "deja_view/io/options_yaml.hpp"
 #include "deja_view/io/tum.hpp"
 #include "deja_view/io/vins_config.hpp"
-#include "deja_view/nerf/checkpoint.hpp"
-#include "deja_view/nerf/field_renderer.hpp"
 
-#include <fstream>
 #include <iostream>
-#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -72,9 +68,9 @@ void ReadPoses(const ViewsInput& input, PosedJob* posed) {
   }
 }
 
-std::string DescribeCells(const std::vector<nerf::SceneCell>& cells) {
+std::string DescribeCells(const std::vector<SceneCell>& cells) {
   std::string text;
-  for (const nerf::SceneCell& cell : cells) {
+  for (const SceneCell& cell : cells) {
     for (const Eigen::Vector3d& corner : {cell.min, cell.max}) {
       text += fmt::format("{} {} {}\n", corner.x(), corner.y(), corner.z());
     }
@@ -130,50 +126,38 @@ nlohmann::ordered_json ToJson(const PoseFrame& frame) {
                    : nlohmann::ordered_json{{"not_checked", frame.not_checked}};
 }
 
-ViewModel ReadModel(const fs::path& path, const PosedJob& posed) {
-  const auto renderer = std::make_shared<nerf::FieldRenderer>(
-      std::make_shared<nerf::RadianceField>(nerf::ReadField(path)));
-  ViewModel model;
+ViewModel PlaceModel(const std::shared_ptr<const SceneModel>& model, const PosedJob& posed) {
   const Similarity3 W_N =
-      posed.tell_model_frame ? posed.poses.W_N : nerf::RequireFrame(renderer->field().frame, path);
-  model.renderer = PlaceInWorld(renderer, W_N);
-  model.settings = fmt::format("model: {} {:016x}\n", path.filename().string(), HashFile(path));
-  const nerf::SceneCells& cells = renderer->field().cells;
-  if (cells.IsCut()) {
-    model.sub_map.settings = model.settings.substr(0, model.settings.size() - 1);
-    model.settings = fmt::format(
+      model->FindFrame(posed.tell_model_frame ? std::optional(posed.poses.W_N) : std::nullopt);
+  ViewModel placed;
+  placed.renderers = RenderersInWorld(model, W_N);
+  placed.settings = model->Describe();
+  if (const SceneCells cells = model->cells(); cells.IsCut()) {
+    placed.sub_map.settings = placed.settings.substr(0, placed.settings.size() - 1);
+    placed.settings = fmt::format(
         "sub-maps: {} {:016x}\n", cells.cells.size(), Hash64(DescribeCells(cells.cells)));
-    model.sub_map.shard = cells.shard();
-    model.sub_map.is_own = [cells, N_W = W_N.Inverse()](const Eigen::Vector3d& p_W) {
+    placed.sub_map.shard = cells.shard();
+    placed.sub_map.is_own = [cells, N_W = W_N.Inverse()](const Eigen::Vector3d& p_W) {
       return cells.IsOwn(N_W * p_W);
     };
   }
-  return model;
+  return placed;
 }
 
-std::uint64_t HashFile(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) {
-    ThrowInputError("{}: can't be read", path.string());
+std::shared_ptr<const DepthMaps> OpenFlightMaps(const DepthMapFiles& files, const ViewJob& job) {
+  auto maps = OpenDepthMaps(files, job.camera);
+  if (maps != nullptr) {
+    CountDepthMaps(*maps, job);
   }
-  return Hash64({std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()});
+  return maps;
 }
 
-ViewRendererFactory WarpFactory(std::shared_ptr<const Camera> camera,
-                                std::shared_ptr<const DepthMaps> maps) {
-  return [camera, maps](const ViewSource& source, const std::vector<RangeSample>& points) {
-    // A depth image has edges; between tracked points there are none to be found.
-    constexpr int kFineMesh_px = 1;
-    constexpr int kCoarseMesh_px = 4;
-    return maps && maps->Has(source.stamp_ns)
-               ? std::make_shared<DepthWarpRenderer>(
-                     source.image, maps->Read(source.stamp_ns), camera, source.T_N_C, kFineMesh_px)
-               : std::make_shared<DepthWarpRenderer>(source.image,
-                                                     DensifyRanges(points, source.image.size()),
-                                                     camera,
-                                                     source.T_N_C,
-                                                     kCoarseMesh_px);
-  };
+std::size_t CountDepthMaps(const DepthMaps& maps, const ViewJob& job) {
+  std::vector<std::int64_t> stamps_ns;
+  for (const RecordedImage& image : job.flight->ListImages(job.topics.image)) {
+    stamps_ns.push_back(image.stamp_ns);
+  }
+  return maps.CountImages(stamps_ns, job.flight->path());
 }
 
 }  // namespace deja_view

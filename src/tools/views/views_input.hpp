@@ -1,12 +1,13 @@
 #pragma once
 
 #include "deja_view/ros/bag/view_bag.hpp"
+#include "deja_view/scene/depth_maps.hpp"
 #include "deja_view/views/pose_frame.hpp"
+#include "deja_view/views/scene_model.hpp"
 
 #include <memory>
 #include <string>
 
-#include "views/depth_maps.hpp"
 #include "views/views_command.hpp"
 
 namespace deja_view {
@@ -27,22 +28,20 @@ PosedJob ReadViewsInput(const ViewsInput& input);
 /// How the poses fit, or `{"not_checked": why}`.
 nlohmann::ordered_json ToJson(const PoseFrame& frame);
 
-/// A radiance field, in the job's world.
+/// A scene in the job's world.
 struct ViewModel {
-  std::shared_ptr<const ViewRenderer> renderer;
+  ViewRendererFactory renderers;
   ViewSubMap sub_map;    ///< what it is the model of
-  std::string settings;  ///< which model it is, or of sub-maps: how the scene is cut; a line
+  std::string settings;  ///< which model it is, or of sub-maps: how the scene is cut
 };
 
-/// Throws InputError, also for a model whose place among the poses nobody knows.
-ViewModel ReadModel(const std::filesystem::path& path, const PosedJob& posed);
+/// Throws InputError for a model whose place among the poses nobody knows.
+ViewModel PlaceModel(const std::shared_ptr<const SceneModel>& model, const PosedJob& posed);
 
-/// Hash of a file's bytes; throws InputError that names it.
-std::uint64_t HashFile(const std::filesystem::path& path);
+/// Null where there are none. Throws InputError when none of the flight's images has one.
+std::shared_ptr<const DepthMaps> OpenFlightMaps(const DepthMapFiles& files, const ViewJob& job);
 
-/// Warps each image by its depth map where `maps` has one, by the VIO's points otherwise. `maps`
-/// may be null.
-ViewRendererFactory WarpFactory(std::shared_ptr<const Camera> camera,
-                                std::shared_ptr<const DepthMaps> maps);
+/// How many images of the flight have a depth map.
+std::size_t CountDepthMaps(const DepthMaps& maps, const ViewJob& job);
 
 }  // namespace deja_view

@@ -1,6 +1,8 @@
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/hash.hpp"
 #include "deja_view/base/progress.hpp"
 #include "deja_view/io/options_yaml.hpp"
+#include "deja_view/scene/open_scene_model.hpp"
 
 #include <algorithm>
 #include <iostream>
@@ -27,74 +29,41 @@ ViewContent ParseContent(const ViewsRenderRequest& request) {
 // All that decides what the views look like, but the flight.
 std::string DescribeSettings(const ViewsRenderRequest& request,
                              const ViewOptions& options,
-                             const ViewModel& model,
-                             const DepthMaps* maps) {
-  std::string text = fmt::format("renderer: {}\ncontent: {}\ndepth: {}\n{}{}",
+                             const ViewModel& model) {
+  std::string text = fmt::format("renderer: {}\ncontent: {}\ndepth: {}\n{}",
                                  request.renderer,
                                  request.content,
                                  request.depth,
-                                 model.settings,
-                                 maps != nullptr ? maps->Describe() : "");
+                                 model.settings);
   ViewOptions named = options;
   if (options.rendering.method == Upscaling::kFsrcnn) {
-    text += fmt::format("network: {:016x}\n", HashFile(options.rendering.network));
+    text += fmt::format("network: {:016x}\n", Hash64OfFile(options.rendering.network));
   }
   // The same views wherever the package is installed.
   named.rendering.network = options.rendering.network.filename();
   return text + OptionsToYaml(named);
 }
 
-ViewRendererFactory MakeFactory(const ViewsRenderRequest& request,
-                                const ViewJob& job,
-                                const ViewModel& model,
-                                const std::shared_ptr<const DepthMaps>& maps) {
-  if (request.renderer == "warp") {
-    const std::string& points = job.topics.keyframe_point;
-    if (maps == nullptr && !job.flight->HasTopic(points)) {
-      ThrowInputError(
-          "{}: no topic '{}': expected the VIO's points, by which --renderer warp works, or "
-          "--depth-maps",
-          job.flight->path().string(),
-          points);
-    }
-    return WarpFactory(job.camera, maps);
+// Throws InputError where the flight lacks what the model works by.
+void CheckPoints(const ViewsRenderRequest& request, const ViewJob& job, const SceneModel& model) {
+  const std::string& points = job.topics.keyframe_point;
+  if (model.NeedsPoints() && !job.flight->HasTopic(points)) {
+    ThrowInputError(
+        "{}: no topic '{}': expected the VIO's points, by which --renderer {} works, or "
+        "--depth-maps",
+        job.flight->path().string(),
+        points,
+        request.renderer);
   }
-  return [renderer = model.renderer](const ViewSource&, const std::vector<RangeSample>&) {
-    return renderer;
-  };
 }
 
-// None for the renderer that needs none.
-ViewModel ReadWantedModel(const ViewsRenderRequest& request, const PosedJob& posed) {
-  if (request.renderer == "warp") {
-    return {};
-  }
-  if (request.input.model.empty()) {
-    ThrowInputError("--model is missing: expected a radiance field, or --renderer warp");
-  }
-  ViewModel model = ReadModel(request.input.model, posed);
-  const Shard& sub_map = model.sub_map.shard;
-  if (sub_map.count > 1 && request.input.show_progress) {
+void TellSubMap(const Shard& sub_map) {
+  if (sub_map.count > 1) {
     std::cerr << fmt::format(
         "sub-map {} of {}: views of its own images, for `deja_view views merge` with the others'\n",
         sub_map.index,
         sub_map.count);
   }
-  return model;
-}
-
-// None where there are none; throws where they are of no use.
-std::shared_ptr<const DepthMaps> OpenWantedMaps(const ViewsRenderRequest& request,
-                                                const ViewJob& job) {
-  const DepthMapFiles& files = request.input.depth_maps;
-  if (!files.directory.empty() && request.renderer != "warp") {
-    ThrowInputError("--depth-maps {}: goes with --renderer warp only", files.directory.string());
-  }
-  auto maps = OpenDepthMaps(files, job.camera);
-  if (maps != nullptr) {
-    maps->CountImages(*job.flight, job.topics.image);
-  }
-  return maps;
 }
 
 // A resumed run counts only what it still has to do, so that rate and time left are right.
@@ -137,21 +106,19 @@ Json RunViewsRender(const ViewsRenderRequest& request) {
   job.plain_topics = request.plain_topics;
   job.views_only = request.views_only;
   job.resume = request.resume;
-  if (request.renderer == "warp") {
-    // An image does not show what is beside it: only its own path could be called free.
-    job.options.gate.free_space = false;
-    // Its ranges are guessed between few points: what is asked of a field would leave hardly a
-    // view.
-    job.options.gate.max_depth_sigma = std::max(0.3, job.options.gate.max_depth_sigma);
-    job.options.gate.min_certain_share = std::min(0.5, job.options.gate.min_certain_share);
+  const auto maps = OpenFlightMaps(request.input.depth_maps, job);
+  const auto scene = OpenSceneModel({request.renderer, request.input.model, job.camera, maps});
+  CheckPoints(request, job, *scene);
+  scene->Relax(&job.options.gate);
+  const ViewModel model = PlaceModel(scene, posed);
+  if (request.input.show_progress) {
+    TellSubMap(model.sub_map.shard);
   }
-  const ViewModel model = ReadWantedModel(request, posed);
-  const auto maps = OpenWantedMaps(request, job);
   job.sub_map = model.sub_map;
-  job.settings = DescribeSettings(request, job.options, model, maps.get());
+  job.settings = DescribeSettings(request, job.options, model);
   SourceProgress progress(request.input.show_progress);
-  const ViewReport report = RenderViews(
-      job, MakeFactory(request, job, model, maps), [&](std::size_t done, std::size_t total) {
+  const ViewReport report =
+      RenderViews(job, model.renderers, [&](std::size_t done, std::size_t total) {
         progress.Update(done, total);
         interrupt.Check();
       });
@@ -161,7 +128,7 @@ Json RunViewsRender(const ViewsRenderRequest& request) {
     json["sub_map"] = fmt::format("{}/{}", job.sub_map.shard.index, job.sub_map.shard.count);
   }
   if (maps != nullptr) {
-    json["depth_maps"] = maps->CountImages(*job.flight, job.topics.image);
+    json["depth_maps"] = CountDepthMaps(*maps, job);
   }
   json["images"] = report.images;
   json["without_pose"] = report.without_pose;

@@ -1,7 +1,10 @@
 #include "deja_view/base/hash.hpp"
 
+#include "deja_view/base/check.hpp"
+
 #include <string>
 
+#include "temporary_directory.hpp"
 #include <gtest/gtest.h>
 
 namespace deja_view {
@@ -21,6 +24,19 @@ TEST(Hash64Test, PiecesGiveTheSameAsTheWhole) {
     EXPECT_EQ(hasher.value(), Hash64(text)) << cut;
   }
   EXPECT_EQ(Hasher64().value(), Hash64(""));
+}
+
+class Hash64OfFileTest : public TemporaryDirectoryTest {};
+
+TEST_F(Hash64OfFileTest, IsThatOfTheBytes) {
+  const std::string text(100000, 'x');
+  EXPECT_EQ(Hash64OfFile(Write("file", text)), Hash64(text));
+  EXPECT_EQ(Hash64OfFile(Write("empty", "")), Hash64(""));
+}
+
+TEST_F(Hash64OfFileTest, NeedsAFile) {
+  EXPECT_THROW(Hash64OfFile(directory_ / "none"), InputError);
+  EXPECT_THROW(Hash64OfFile(directory_), InputError);
 }
 
 }  // namespace

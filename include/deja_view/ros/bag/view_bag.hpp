@@ -3,7 +3,7 @@
 #include "deja_view/base/shard.hpp"
 #include "deja_view/ros/bag/view_flight.hpp"
 #include "deja_view/ros/bag/view_store.hpp"
-#include "deja_view/views/depth_warp_renderer.hpp"
+#include "deja_view/views/scene_model.hpp"
 #include "deja_view/views/view_maker.hpp"
 #include "deja_view/views/view_sources.hpp"
 
@@ -74,11 +74,6 @@ struct ViewReport {
   std::vector<double> source_s;        ///< time per source, on one thread of several
   std::vector<double> source_psnr_db;  ///< renders at the sources' own poses, small
 };
-
-/// The renderer for one source image; `points` are the VIO's, projected to it. Called by several
-/// threads.
-using ViewRendererFactory = std::function<std::shared_ptr<const ViewRenderer>(
-    const ViewSource& source, const std::vector<RangeSample>& points)>;
 
 /// Renders the views of a flight's images and writes the new bag: all messages of the flight, byte
 /// for byte, and the views right behind their source images, 1 ns apart. What is finished is kept

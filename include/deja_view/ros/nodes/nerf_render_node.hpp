@@ -2,7 +2,7 @@
 
 #include "deja_view/fusion/model_directory.hpp"
 #include "deja_view/io/vins_config.hpp"
-#include "deja_view/nerf/field_renderer.hpp"
+#include "deja_view/views/scene_model.hpp"
 #include "deja_view/views/view_maker.hpp"
 #include "deja_view/views/view_queue.hpp"
 
@@ -80,9 +80,9 @@ class NerfRenderNode {
 
   /// What a model needs to make views; replaced as a whole.
   struct Scene {
-    std::shared_ptr<const nerf::RadianceField> field;
+    SceneCells cells;
     Similarity3 N_W;
-    std::shared_ptr<const ViewRenderer> renderer;  ///< in the world of the poses
+    ViewRendererFactory renderers;  ///< in the world of the poses
     std::unique_ptr<ViewMaker> maker;
   };
   std::mutex scene_mutex_;

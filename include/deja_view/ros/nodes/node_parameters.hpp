@@ -1,7 +1,7 @@
 #pragma once
 
+#include "deja_view/host/vio_topics.hpp"
 #include "deja_view/io/vins_config.hpp"
-#include "deja_view/ros/bag/bag_replay.hpp"
 #include "deja_view/ros/messages/output_messages.hpp"
 
 #include <filesystem>

@@ -6,7 +6,7 @@
 #include "deja_view/nerf/network.hpp"
 #include "deja_view/nerf/occupancy_grid.hpp"
 #include "deja_view/nerf/options.hpp"
-#include "deja_view/nerf/scene_cells.hpp"
+#include "deja_view/views/scene_cells.hpp"
 
 #include <array>
 #include <cmath>

@@ -2,17 +2,24 @@
 
 #include "deja_view/camera/camera.hpp"
 #include "deja_view/nerf/posed_images.hpp"
-#include "deja_view/ros/bag/view_flight.hpp"
 #include "deja_view/views/depth_warp_renderer.hpp"
 
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
-
-#include "views/views_command.hpp"
+#include <vector>
 
 namespace deja_view {
+
+/// 16-bit depth maps of a flight's images.
+struct DepthMapFiles {
+  std::filesystem::path directory;  ///< nerf::ListDepthMaps; empty: none
+  std::string along = "axis";  ///< what they measure: along the optical axis or the pixel's ray
+  double unit_m = 1e-3;
+};
 
 /// The depth maps of a flight's images, found by their stamps.
 class DepthMaps {
@@ -21,11 +28,12 @@ class DepthMaps {
   DepthMaps(const DepthMapFiles& files, const std::shared_ptr<const Camera>& camera);
 
   bool Has(std::int64_t stamp_ns) const;
-  /// How many images of a topic have one. Throws InputError when none has.
-  std::size_t CountImages(const ViewFlight& flight, const std::string& topic) const;
-  /// For the pixels of the image, which has a map. Throws InputError that names a file that is no
-  /// 16-bit image of its camera's size.
-  RangeMap Read(std::int64_t stamp_ns) const;
+  /// How many of the images of `where` have one. Throws InputError when none has.
+  std::size_t CountImages(const std::vector<std::int64_t>& image_stamps_ns,
+                          const std::filesystem::path& where) const;
+  /// For the pixels of the image; nothing where it has no map. Throws InputError that names a file
+  /// that is no 16-bit image of its camera's size.
+  std::optional<RangeMap> Find(std::int64_t stamp_ns) const;
   /// A line that tells these maps from others.
   std::string Describe() const;
 

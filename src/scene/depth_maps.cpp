@@ -1,9 +1,8 @@
-#include "views/depth_maps.hpp"
+#include "deja_view/scene/depth_maps.hpp"
 
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/hash.hpp"
 #include "deja_view/host/keyframe_assembler.hpp"
-#include "deja_view/io/config_node.hpp"
 #include "deja_view/nerf/image_readers.hpp"
 
 #include <algorithm>
@@ -22,22 +21,25 @@ bool DepthMaps::Has(std::int64_t stamp_ns) const {
   return maps_.count(KeyframeAssembler::Key(stamp_ns)) > 0;
 }
 
-std::size_t DepthMaps::CountImages(const ViewFlight& flight, const std::string& topic) const {
-  const std::vector<RecordedImage> images = flight.ListImages(topic);
-  const auto count = std::count_if(
-      images.begin(), images.end(), [this](const RecordedImage& i) { return Has(i.stamp_ns); });
+std::size_t DepthMaps::CountImages(const std::vector<std::int64_t>& image_stamps_ns,
+                                   const std::filesystem::path& where) const {
+  const auto count = std::count_if(image_stamps_ns.begin(),
+                                   image_stamps_ns.end(),
+                                   [this](std::int64_t stamp_ns) { return Has(stamp_ns); });
   if (count == 0) {
     ThrowInputError("{}: none of its {} depth maps has the stamp of one of the {} images of {}",
                     files_.directory.string(),
                     maps_.size(),
-                    images.size(),
-                    flight.path().string());
+                    image_stamps_ns.size(),
+                    where.string());
   }
   return static_cast<std::size_t>(count);
 }
 
-RangeMap DepthMaps::Read(std::int64_t stamp_ns) const {
-  return DensifyDepthImage(nerf::ReadImageDepth(maps_.at(KeyframeAssembler::Key(stamp_ns))));
+std::optional<RangeMap> DepthMaps::Find(std::int64_t stamp_ns) const {
+  const auto map = maps_.find(KeyframeAssembler::Key(stamp_ns));
+  return map == maps_.end() ? std::nullopt
+                            : std::optional(DensifyDepthImage(nerf::ReadImageDepth(map->second)));
 }
 
 std::string DepthMaps::Describe() const {
