@@ -1,7 +1,7 @@
 #pragma once
 
 #include "deja_view/nerf/float_array.hpp"
-#include "deja_view/nerf/kernels.hpp"
+#include "deja_view/nerf/kernel_table.hpp"
 #include "deja_view/nerf/options.hpp"
 
 #include <cstdint>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "deja_view/features/brief_extractor.hpp"
-#include "deja_view/nerf/trainer.hpp"
+#include "deja_view/nerf/training_view.hpp"
 
 #include <opencv2/core/mat.hpp>
 

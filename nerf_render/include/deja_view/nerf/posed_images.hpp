@@ -2,7 +2,7 @@
 
 #include "deja_view/camera/camera.hpp"
 #include "deja_view/geometry/rigid3.hpp"
-#include "deja_view/nerf/trainer.hpp"
+#include "deja_view/nerf/training_view.hpp"
 
 #include <cstdint>
 #include <filesystem>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "deja_view/nerf/trainer.hpp"
+#include "deja_view/nerf/training_view.hpp"
 
 #include <cstddef>
 #include <string>
