@@ -2,6 +2,7 @@
 
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/parallel.hpp"
+#include "deja_view/nerf/kernels.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,8 @@
 #pragma once
 
-#include "deja_view/place/place_database.hpp"
+#include "deja_view/place/place_match.hpp"
+#include "deja_view/vocabulary/bow_vector.hpp"
+#include "deja_view/vocabulary/vocabulary.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,5 +1,7 @@
 #include "backward.hpp"
 
+#include "deja_view/nerf/kernels.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,6 +1,7 @@
 #include "deja_view/nerf/checkpoint.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/nerf/scene_cells.hpp"
 
 #include <cmath>
 #include <filesystem>

@@ -1,5 +1,7 @@
 #include "deja_view/nerf/network.hpp"
 
+#include "deja_view/nerf/kernels.hpp"
+
 #include <cmath>
 #include <random>
 

@@ -1,5 +1,7 @@
 #include "ray_tracer.hpp"
 
+#include "deja_view/nerf/kernels.hpp"
+
 #include <cmath>
 #include <random>
 

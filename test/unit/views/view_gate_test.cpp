@@ -72,8 +72,7 @@ TEST(ViewGateTest, OptionsNameWhatIsWrong) {
   GateOptions options;
   options.min_opacity = 2;
   options.scale = 0;
-  EXPECT_THAT(options.Validate(),
-              ElementsAre(HasSubstr("min_opacity: 2"), HasSubstr("scale: 0")));
+  EXPECT_THAT(options.Validate(), ElementsAre(HasSubstr("min_opacity: 2"), HasSubstr("scale: 0")));
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+#include "deja_view/vocabulary/vocabulary.hpp"
 #include "deja_view/vocabulary/vocabulary_files.hpp"
 
 #include "deja_view/base/check.hpp"
