@@ -1,6 +1,7 @@
 #pragma once
 
-#include "deja_view/nerf/trainer.hpp"
+#include "deja_view/nerf/radiance_field.hpp"
+#include "deja_view/nerf/training_view.hpp"
 
 #include <map>
 

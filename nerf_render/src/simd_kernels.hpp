@@ -1,6 +1,6 @@
 #pragma once
 
-#include "deja_view/nerf/kernels.hpp"
+#include "deja_view/nerf/kernel_table.hpp"
 
 #include <vector>
 

@@ -2,7 +2,7 @@
 
 #include "deja_view/base/check.hpp"
 #include "deja_view/geometry/trajectory.hpp"
-#include "deja_view/io/tum.hpp"
+#include "deja_view/io/seconds.hpp"
 
 #include <cmath>
 #include <cstdint>

@@ -1,9 +1,10 @@
 #pragma once
 
-#include "deja_view/io/colmap.hpp"
+#include "deja_view/io/colmap_model.hpp"
 
-#include <filesystem>
+#include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 

@@ -1,6 +1,6 @@
 #include "deja_view/io/image_names.hpp"
 
-#include "deja_view/io/tum.hpp"
+#include "deja_view/io/seconds.hpp"
 
 #include <algorithm>
 #include <charconv>

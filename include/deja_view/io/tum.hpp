@@ -2,11 +2,7 @@
 
 #include "deja_view/geometry/trajectory.hpp"
 
-#include <cstdint>
 #include <filesystem>
-#include <optional>
-#include <string>
-#include <string_view>
 
 namespace deja_view {
 
@@ -20,12 +16,5 @@ Trajectory ReadTum(const std::filesystem::path& path);
 /// Writes a trajectory in the TUM format, stamps with 9 decimals, whole or not at all
 /// (WriteFileAtomically).
 void WriteTum(const std::filesystem::path& path, const Trajectory& trajectory);
-
-/// Seconds as decimal text, with or without exponent, to nanoseconds by integer arithmetic; rounded
-/// to the nearest. Nothing for other text, negative values and values beyond the range of int64.
-std::optional<std::int64_t> ParseSeconds(std::string_view text);
-
-/// "1403636625.838560104".
-std::string FormatSeconds(std::int64_t stamp_ns);
 
 }  // namespace deja_view

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "deja_view/vocabulary/vocabulary.hpp"
 #include "deja_view/vocabulary/vocabulary_tree.hpp"
 
 #include <filesystem>

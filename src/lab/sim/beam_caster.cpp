@@ -10,8 +10,6 @@
 namespace deja_view::sim {
 namespace {
 
-using LocalSurface = BeamCaster::LocalSurface;
-
 /// Unit normal of the plane through the origin, `a` and `b`, away from `inside`.
 Eigen::Vector3f OutsideOf(const Eigen::Vector3f& a,
                           const Eigen::Vector3f& b,

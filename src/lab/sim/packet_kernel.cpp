@@ -8,8 +8,6 @@
 namespace deja_view::sim {
 namespace {
 
-using LocalSurface = BeamCaster::LocalSurface;
-
 // Neighbouring faces of a box share an edge only up to rounding; this closes the crack [m].
 constexpr float kSeam = 1e-4F;
 

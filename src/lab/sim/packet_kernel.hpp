@@ -1,6 +1,6 @@
 #pragma once
 
-#include "deja_view/lab/sim/beam_caster.hpp"
+#include "deja_view/lab/sim/ray_packet.hpp"
 
 #include <cstdint>
 #include <vector>
@@ -9,10 +9,10 @@ namespace deja_view::sim {
 
 /// See BeamCaster::Trace. The fast one needs AVX2 (HasAvx2). Both run the same operations in the
 /// same order, without fusing, on more or fewer lanes at a time: the same bits.
-void TracePacketFast(const BeamCaster::LocalSurface* surfaces,
+void TracePacketFast(const LocalSurface* surfaces,
                      const std::vector<std::int32_t>& candidates,
                      RayPacket* packet);
-void TracePacketPortable(const BeamCaster::LocalSurface* surfaces,
+void TracePacketPortable(const LocalSurface* surfaces,
                          const std::vector<std::int32_t>& candidates,
                          RayPacket* packet);
 

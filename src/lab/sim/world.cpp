@@ -4,31 +4,10 @@
 #include "deja_view/lab/sim/light.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "world_builder.hpp"
 
 namespace deja_view::sim {
-
-double Obstacle::Distance(const Eigen::Vector3d& p_W) const {
-  const Eigen::Vector3d d = p_W - centre;
-  Eigen::Vector3d outside;
-  if (is_cylinder) {
-    const double across = std::hypot(d.x(), d.y()) - half_size.x();
-    outside = {across, across, std::abs(d.z()) - half_size.z()};
-    outside.y() = std::min(across, 0.0);  // counted once
-  } else {
-    const double c = std::cos(yaw);
-    const double s = std::sin(yaw);
-    const Eigen::Vector3d local(c * d.x() + s * d.y(), -s * d.x() + c * d.y(), d.z());
-    outside = local.cwiseAbs() - half_size;
-  }
-  const double beyond = outside.cwiseMax(0.0).norm();
-  if (beyond > 0) {
-    return beyond;
-  }
-  return is_cylinder ? std::max(outside.x(), outside.z()) : outside.maxCoeff();
-}
 
 World::World(std::uint64_t seed, const WorldOptions& options, int threads) : options_(options) {
   SimOptions all;

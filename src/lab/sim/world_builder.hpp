@@ -1,7 +1,10 @@
 #pragma once
 
+#include "deja_view/lab/sim/light_source.hpp"
+#include "deja_view/lab/sim/obstacle.hpp"
+#include "deja_view/lab/sim/options.hpp"
 #include "deja_view/lab/sim/random.hpp"
-#include "deja_view/lab/sim/world.hpp"
+#include "deja_view/lab/sim/scene.hpp"
 
 #include <cstdint>
 #include <vector>

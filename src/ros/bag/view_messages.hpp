@@ -1,9 +1,12 @@
 #pragma once
 
+#include "deja_view/base/shard.hpp"
 #include "deja_view/ros/bag/bag_writer.hpp"
-#include "deja_view/ros/bag/view_bag.hpp"
+#include "deja_view/ros/bag/view_store.hpp"
+#include "deja_view/ros/bag/view_topics.hpp"
 
 #include <cstdint>
+#include <string>
 
 namespace deja_view::internal {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "simulate/simulate_command.hpp"
+#include "simulate/simulate_request.hpp"
 
 namespace deja_view {
 

@@ -37,42 +37,6 @@ class TumTest : public ::testing::Test {
                                 ("deja_view_tum_" + std::to_string(::getpid()) + ".txt");
 };
 
-TEST(ParseSeconds, IsExactToTheNanosecond) {
-  EXPECT_EQ(ParseSeconds("1403636625.838560104"), 1403636625838560104);
-  EXPECT_EQ(ParseSeconds("1403715274.30214"), 1403715274302140000);
-  EXPECT_EQ(ParseSeconds("12"), 12000000000);
-  EXPECT_EQ(ParseSeconds("0.000000001"), 1);
-  EXPECT_EQ(ParseSeconds(".5"), 500000000);
-  EXPECT_EQ(ParseSeconds("5."), 5000000000);
-  EXPECT_EQ(ParseSeconds("0.0000000014"), 1);
-  EXPECT_EQ(ParseSeconds("0.0000000015"), 2);
-  EXPECT_EQ(ParseSeconds("1.403636625838560104e+09"), 1403636625838560104);
-  EXPECT_EQ(ParseSeconds("14036366258385601E-7"), 1403636625838560100);
-  EXPECT_EQ(ParseSeconds("1e-12"), 0);
-  EXPECT_EQ(ParseSeconds("9223372036.854775806"), INT64_MAX - 1);
-}
-
-TEST(ParseSeconds, RefusesOtherText) {
-  for (const char* text : {"",
-                           ".",
-                           "-1",
-                           "+1",
-                           "1,5",
-                           "1.2.3",
-                           "nan",
-                           "inf",
-                           "0x10",
-                           "1e",
-                           "1e+",
-                           "1e99",
-                           "9223372037",
-                           "1 ",
-                           "e5",
-                           "11111111111111111111111111111111111111111111"}) {
-    EXPECT_FALSE(ParseSeconds(text).has_value()) << text;
-  }
-}
-
 TEST_F(TumTest, ReadsPosesCommentsAndBlankLines) {
   const Trajectory trajectory =
       Read("# a comment\n\n1.5 1 2 3 0 0 0 1\r\n  # another\n2.000000001\t4 5 6 0 0 1.0000001 0");

@@ -1,4 +1,5 @@
 #include "deja_view/base/check.hpp"
+#include "deja_view/vocabulary/vocabulary.hpp"
 #include "deja_view/vocabulary/vocabulary_files.hpp"
 
 #include <filesystem>

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "deja_view/lab/sim/light_source.hpp"
 #include "deja_view/lab/sim/scene.hpp"
-#include "deja_view/lab/sim/world.hpp"
 
 #include <cstdint>
 #include <vector>

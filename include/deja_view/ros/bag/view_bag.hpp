@@ -3,6 +3,7 @@
 #include "deja_view/base/shard.hpp"
 #include "deja_view/ros/bag/view_flight.hpp"
 #include "deja_view/ros/bag/view_store.hpp"
+#include "deja_view/ros/bag/view_topics.hpp"
 #include "deja_view/views/depth_warp_renderer.hpp"
 #include "deja_view/views/view_maker.hpp"
 #include "deja_view/views/view_sources.hpp"
@@ -15,15 +16,6 @@
 #include <vector>
 
 namespace deja_view {
-
-/// Topics of the virtual views.
-struct ViewTopics {
-  std::string frame = "/virtual_cam0/frame";        ///< deja_view/VirtualFrame
-  std::string settings = "/virtual_cam0/settings";  ///< std_msgs/String, once: what made them
-  std::string image = "/virtual_cam0/image_raw";    ///< the plain topics
-  std::string camera_info = "/virtual_cam0/camera_info";
-  std::string pose = "/virtual_cam0/pose";
-};
 
 /// A part of a scene that has a model of its own.
 struct ViewSubMap {

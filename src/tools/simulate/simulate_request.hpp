@@ -2,12 +2,9 @@
 
 #include "deja_view/lab/sim/options.hpp"
 
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
-
-#include <nlohmann/json.hpp>
 
 namespace deja_view {
 
@@ -30,15 +27,7 @@ struct SimulateRequest {
   bool show_progress = true;
 };
 
-/// The preset with the config file and the overrides on top.
+/// The preset with the config file and the overrides on top. Throws InputError.
 sim::SimOptions ReadSimOptions(const SimulateRequest& request);
-
-/// Simulates a flight and writes its files; returns the documented JSON keys. Throws InputError for
-/// bad options or files that can't be written, Interrupted after Ctrl-C.
-nlohmann::ordered_json RunSimulate(const SimulateRequest& request);
-
-/// Renders the views of a flight that was simulated before, `request.views_for` or
-/// `request.views_like`; returns {virtual_views, wall_s}. Errors as RunSimulate.
-nlohmann::ordered_json RunSimulateViews(const SimulateRequest& request);
 
 }  // namespace deja_view
