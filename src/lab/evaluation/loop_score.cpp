@@ -6,18 +6,19 @@
 #include <cmath>
 
 namespace deja_view {
-namespace {
-
-bool IsCorrect(const EvaluatedLoop& loop,
-               const Rigid3& T_truth_old,
-               const Rigid3& T_truth_current,
-               const LoopCriteria& criteria) {
-  const Rigid3 error = loop.T_Bold_Bcurrent.Inverse() * (T_truth_old.Inverse() * T_truth_current);
+std::optional<bool> IsCorrect(const std::vector<TrueKeyframe>& keyframes,
+                              const EvaluatedLoop& loop,
+                              const LoopCriteria& criteria) {
+  const TrueKeyframe& old = keyframes.at(static_cast<std::size_t>(loop.old));
+  const TrueKeyframe& current = keyframes.at(static_cast<std::size_t>(loop.current));
+  if (!old.T_truth_B || !current.T_truth_B) {
+    return std::nullopt;
+  }
+  const Rigid3 error =
+      loop.T_Bold_Bcurrent.Inverse() * (old.T_truth_B->Inverse() * *current.T_truth_B);
   return error.t.norm() < criteria.max_error_m &&
          RotationAngle(error.q) < criteria.max_error_deg * kDegree;
 }
-
-}  // namespace
 
 bool IsRevisit(const TrueKeyframe& current,
                const TrueKeyframe& old,
@@ -41,13 +42,10 @@ LoopScore ScoreLoops(const std::vector<TrueKeyframe>& keyframes,
   LoopScore score;
   std::vector<bool> is_found(keyframes.size(), false);
   for (const EvaluatedLoop& loop : loops) {
-    const TrueKeyframe& old = keyframes.at(static_cast<std::size_t>(loop.old));
-    const TrueKeyframe& current = keyframes.at(static_cast<std::size_t>(loop.current));
-    const bool is_judged = old.T_truth_B && current.T_truth_B;
-    const bool is_correct =
-        is_judged && IsCorrect(loop, *old.T_truth_B, *current.T_truth_B, criteria);
+    const std::optional<bool> judged = IsCorrect(keyframes, loop, criteria);
+    const bool is_correct = judged.value_or(false);
     ++score.accepted;
-    score.judged += is_judged ? 1 : 0;
+    score.judged += judged ? 1 : 0;
     score.correct += is_correct ? 1 : 0;
     score.is_correct.push_back(is_correct);
     if (is_correct) {

@@ -3,46 +3,28 @@
 #include <algorithm>
 #include <limits>
 #include <unordered_map>
+#include <utility>
 
 namespace deja_view::report {
 namespace {
 
-constexpr std::int64_t kMaxTruthGapNs = 100'000'000;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-std::vector<Eigen::Vector3d> Positions(const Trajectory& trajectory) {
-  std::vector<Eigen::Vector3d> positions;
-  for (const Rigid3& pose : trajectory.poses) {
-    positions.push_back(pose.t);
-  }
-  return positions;
-}
-
-/// Statistics over the keyframes with truth; moves all positions into the truth's frame.
-std::optional<ApeStatistics> Align(const std::vector<std::optional<Rigid3>>& truth,
-                                   std::vector<Eigen::Vector3d>* positions,
-                                   std::vector<double>* errors) {
-  std::vector<Eigen::Vector3d> true_positions;
-  std::vector<Eigen::Vector3d> estimates;
-  for (std::size_t i = 0; i < truth.size(); ++i) {
-    if (truth[i]) {
-      true_positions.push_back(truth[i]->t);
-      estimates.push_back((*positions)[i]);
+/// Moves positions into the truth's frame and tells their errors, NaN where there is no truth.
+void Place(const Trajectory& trajectory,
+           const std::vector<TrueKeyframe>& keyframes,
+           const std::optional<ApeStatistics>& ape,
+           std::vector<Eigen::Vector3d>* positions,
+           std::vector<double>* errors) {
+  errors->assign(trajectory.size(), kNaN);
+  std::size_t measured = 0;
+  for (std::size_t i = 0; i < trajectory.size(); ++i) {
+    const Eigen::Vector3d& p = trajectory.poses[i].t;
+    positions->push_back(ape ? ape->T_truth_estimate * p : p);
+    if (ape && keyframes[i].T_truth_B) {
+      (*errors)[i] = ape->errors[measured++];
     }
   }
-  errors->assign(truth.size(), kNaN);
-  if (true_positions.size() < 3) {
-    return std::nullopt;
-  }
-  ApeStatistics ape = ComputeApe(true_positions, estimates);
-  for (std::size_t i = 0; i < truth.size(); ++i) {
-    Eigen::Vector3d& p = (*positions)[i];
-    p = ape.T_truth_estimate * p;
-    if (truth[i]) {
-      (*errors)[i] = (truth[i]->t - p).norm();
-    }
-  }
-  return ape;
 }
 
 void CutTruthPath(const Trajectory& truth, JudgedRun* judged) {
@@ -54,59 +36,53 @@ void CutTruthPath(const Trajectory& truth, JudgedRun* judged) {
   }
 }
 
-/// Keyframes of the run, then those of a loaded map that loops lead to.
-class KeyframeList {
+/// Keyframes of the run, then those of a loaded map that loops lead to, of which the run's files
+/// tell only the stamps.
+class FlightBuilder {
  public:
-  KeyframeList(const Trajectory& vio, const Trajectory& truth) : truth_(truth) {
-    for (const std::int64_t stamp : vio.stamps_ns) {
-      Add(stamp, false);
+  explicit FlightBuilder(const RunData& run) {
+    for (std::size_t i = 0; i < run.vio.size(); ++i) {
+      Add({run.vio.stamps_ns[i], run.corrected.poses[i], run.vio.poses[i]});
+    }
+    for (const LoopRecord& loop : run.loops) {
+      const int current = IndexOf(loop.stamp_current_ns);
+      const int old = IndexOf(loop.stamp_old_ns);
+      flight_.loops.push_back(
+          {old, current, loop.T_Bold_Bcurrent, loop.score, loop.is_virtual, loop.accepted});
     }
   }
-  int IndexOf(std::int64_t stamp_ns) {
-    const auto found = indices_.find(stamp_ns);
-    return found != indices_.end() ? found->second : Add(stamp_ns, true);
-  }
-  const std::vector<TrueKeyframe>& keyframes() const { return keyframes_; }
+  const Flight& flight() const { return flight_; }
 
  private:
-  int Add(std::int64_t stamp_ns, bool is_old_only) {
-    const auto index = static_cast<int>(keyframes_.size());
-    indices_.emplace(stamp_ns, index);
-    keyframes_.push_back({stamp_ns, truth_.At(stamp_ns, kMaxTruthGapNs), is_old_only});
+  int IndexOf(std::int64_t stamp_ns) {
+    const auto found = indices_.find(stamp_ns);
+    if (found != indices_.end()) {
+      return found->second;
+    }
+    FlownKeyframe keyframe;
+    keyframe.stamp_ns = stamp_ns;
+    keyframe.is_of_map = true;
+    keyframe.has_poses = false;
+    return Add(keyframe);
+  }
+  int Add(const FlownKeyframe& keyframe) {
+    const auto index = static_cast<int>(flight_.keyframes.size());
+    indices_.emplace(keyframe.stamp_ns, index);
+    flight_.keyframes.push_back(keyframe);
     return index;
   }
 
-  const Trajectory& truth_;
-  std::vector<TrueKeyframe> keyframes_;
+  Flight flight_;
   std::unordered_map<std::int64_t, int> indices_;
 };
 
-void JudgeLoops(const std::optional<Rigid3>& T_B_C,
-                const LoopCriteria& criteria,
-                KeyframeList* list,
-                JudgedRun* judged) {
+void FindEnds(const Flight& flight, JudgedRun* judged) {
   const auto own = static_cast<int>(judged->run.vio.size());
-  std::vector<EvaluatedLoop> all;
-  std::vector<EvaluatedLoop> accepted;
-  for (const LoopRecord& loop : judged->run.loops) {
-    const int current = list->IndexOf(loop.stamp_current_ns);
-    const int old = list->IndexOf(loop.stamp_old_ns);
-    all.push_back({old, current, loop.T_Bold_Bcurrent});
-    if (loop.accepted) {
-      accepted.push_back(all.back());
-    }
-    judged->ends.emplace_back(current < own ? current : -1, old < own ? old : -1);
-    judged->has_other_keyframes |= current >= own || old >= own;
+  for (const FlownLoop& loop : flight.loops) {
+    judged->ends.emplace_back(loop.current < own ? loop.current : -1,
+                              loop.old < own ? loop.old : -1);
+    judged->has_other_keyframes |= loop.current >= own || loop.old >= own;
   }
-  const std::vector<TrueKeyframe>& keyframes = list->keyframes();
-  const LoopScore of_all = ScoreLoops(keyframes, all, T_B_C.value_or(Rigid3()), criteria);
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const bool is_known = keyframes[static_cast<std::size_t>(all[i].current)].T_truth_B &&
-                          keyframes[static_cast<std::size_t>(all[i].old)].T_truth_B;
-    const Verdict verdict = of_all.is_correct[i] ? Verdict::kCorrect : Verdict::kWrong;
-    judged->verdicts.push_back(is_known ? verdict : Verdict::kUnknown);
-  }
-  judged->score = ScoreLoops(keyframes, accepted, T_B_C.value_or(Rigid3()), criteria);
 }
 
 void FindRevisits(const std::vector<TrueKeyframe>& keyframes,
@@ -140,21 +116,24 @@ JudgedRun Judge(RunData run,
     judged.times_s.push_back(1e-9 * static_cast<double>(stamp - judged.run.vio.stamps_ns.front()));
   }
   CutTruthPath(truth, &judged);
-  KeyframeList list(judged.run.vio, truth);
-  std::vector<std::optional<Rigid3>> true_poses;
-  for (const TrueKeyframe& keyframe : list.keyframes()) {
-    true_poses.push_back(keyframe.T_truth_B);
-  }
-  judged.vio = Positions(judged.run.vio);
-  judged.corrected = Positions(judged.run.corrected);
-  judged.vio_ape = Align(true_poses, &judged.vio, &judged.vio_errors);
-  judged.corrected_ape = Align(true_poses, &judged.corrected, &judged.corrected_errors);
-  JudgeLoops(T_B_C, criteria, &list, &judged);
+  const Flight flight = FlightBuilder(judged.run).flight();
+  JudgedFlight of_flight =
+      JudgeFlight(flight, {truth, truth}, T_B_C.value_or(Rigid3()), {criteria, criteria});
+  FindEnds(flight, &judged);
+  Place(judged.run.vio, of_flight.keyframes, of_flight.vio_ape, &judged.vio, &judged.vio_errors);
+  Place(judged.run.corrected,
+        of_flight.keyframes,
+        of_flight.ape,
+        &judged.corrected,
+        &judged.corrected_errors);
   if (T_B_C) {
-    FindRevisits(list.keyframes(), *T_B_C, criteria, &judged);
+    FindRevisits(of_flight.keyframes, *T_B_C, criteria, &judged);
   }
-  if (truth.empty()) {
-    judged.score.reset();
+  judged.vio_ape = std::move(of_flight.vio_ape);
+  judged.corrected_ape = std::move(of_flight.ape);
+  judged.verdicts = std::move(of_flight.verdicts);
+  if (!truth.empty()) {
+    judged.score = std::move(of_flight.score);
   }
   return judged;
 }

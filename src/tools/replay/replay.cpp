@@ -1,7 +1,5 @@
 #include "replay/replay.hpp"
 
-#include "deja_view/base/atomic_file.hpp"
-#include "deja_view/base/check.hpp"
 #include "deja_view/base/progress.hpp"
 #include "deja_view/fusion/loop_fusion_options.hpp"
 #include "deja_view/fusion/result_files.hpp"
@@ -9,32 +7,15 @@
 #include "deja_view/io/vins_config.hpp"
 
 #include <algorithm>
-#include <chrono>
-#include <utility>
 
 #include "common/shared_files.hpp"
+#include "common/tool_figures.hpp"
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 namespace deja_view {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Usage {
-  double cpu_s = 0;
-  double peak_rss_mb = 0;
-};
-
-Usage ProcessUsage() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& t) {
-    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-  };
-  return {seconds(usage.ru_utime) + seconds(usage.ru_stime),
-          static_cast<double>(usage.ru_maxrss) / 1024.0};
-}
 
 LoopFusionOptions ReadLoopFusionOptions(const ReplayRequest& request) {
   LoopFusionOptions options;
@@ -85,7 +66,7 @@ void Play(const ReplayRequest& request,
       result->matches.Add(matches);
     }
     if (report.best_place) {
-      result->best_places.push_back({report.index, *report.best_place, {}});
+      result->best_places.push_back({report.index, *report.best_place});
     }
     AddTimes(report.times, result);
   };
@@ -113,37 +94,6 @@ void Play(const ReplayRequest& request,
   }
 }
 
-/// "r,found,correct,precision,recall", r falling.
-void WriteSweep(const fs::path& path, const std::vector<SweepPoint>& sweep) {
-  WriteFileAtomically(path, [&sweep](std::ostream& out) {
-    out << "r,found,correct,precision,recall\n";
-    for (const SweepPoint& p : sweep) {
-      out << fmt::format(
-          "{:.9g},{},{},{:.6f},{:.6f}\n", p.r, p.found, p.correct, p.precision, p.recall);
-    }
-  });
-}
-
-/// The places that score best, beside the truth.
-void WriteDetections(const fs::path& path, const ReplayResult& result) {
-  const auto stamp = [&result](int keyframe) {
-    return result.keyframes[static_cast<std::size_t>(keyframe)].stamp_ns;
-  };
-  WriteFileAtomically(path, [&](std::ostream& out) {
-    out << "stamp_current_ns,stamp_old_ns,score,correct,revisit\n";
-    for (const ReplayResult::Best& best : result.best_places) {
-      if (best.decision) {
-        out << fmt::format("{},{},{:.9g},{:d},{:d}\n",
-                           stamp(best.current),
-                           stamp(best.place.old),
-                           best.place.score,
-                           best.decision->is_correct,
-                           best.decision->is_revisit);
-      }
-    }
-  });
-}
-
 }  // namespace
 
 fs::path DefaultVocabulary(const std::string& descriptor_name) {
@@ -151,8 +101,8 @@ fs::path DefaultVocabulary(const std::string& descriptor_name) {
 }
 
 ReplayResult RunReplay(const ReplayRequest& request) {
-  const Usage before = ProcessUsage();
-  const auto start = std::chrono::steady_clock::now();
+  const double cpu_s_before = CpuSeconds();
+  const auto start = Clock::now();
   ReplayResult result;
   const LoopFusionOptions options = ReadLoopFusionOptions(request);
   const VinsConfig vins = ReadVinsConfig(request.camera);
@@ -181,18 +131,12 @@ ReplayResult RunReplay(const ReplayRequest& request) {
                             static_cast<double>(result.views.kept);
   }
   result.core_memory_mb = static_cast<double>(closer.memory_bytes()) / (1024.0 * 1024.0);
-  const Usage after = ProcessUsage();
-  result.cpu_s = after.cpu_s - before.cpu_s;
-  result.peak_rss_mb = after.peak_rss_mb;
-  result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (!request.groundtruth.empty()) {
-    JudgeReplay(request, vins.T_B_C, &result);
-  }
+  result.cpu_s = CpuSeconds() - cpu_s_before;
+  result.peak_rss_mb = PeakRss_mb();
+  result.wall_s = SecondsSince(start);
   if (!request.out.empty()) {
     WriteResultFiles(
         request.out, result.keyframes, result.map_keyframes, result.loops, result.matches.Sorted());
-    WriteSweep(request.out / "sweep.csv", result.detections);
-    WriteDetections(request.out / "detections.csv", result);
   }
   return result;
 }

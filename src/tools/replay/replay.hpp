@@ -1,11 +1,6 @@
 #pragma once
 
 #include "deja_view/fusion/match_samples.hpp"
-#include "deja_view/geometry/trajectory.hpp"
-#include "deja_view/lab/evaluation/ape.hpp"
-#include "deja_view/lab/evaluation/loop_score.hpp"
-#include "deja_view/lab/evaluation/relocalisation.hpp"
-#include "deja_view/lab/evaluation/threshold_sweep.hpp"
 #include "deja_view/pipeline/loop_closer.hpp"
 #include "deja_view/ros/bag/bag_replay.hpp"
 
@@ -17,6 +12,12 @@
 #include <nlohmann/json.hpp>
 
 namespace deja_view {
+
+/// How near a keyframe must come to see a place again.
+struct RevisitLimits {
+  double distance_m = 0;  ///< between the bodies
+  double angle_deg = 0;   ///< between the viewing directions
+};
 
 /// What `deja_view replay` is told.
 struct ReplayRequest {
@@ -30,26 +31,22 @@ struct ReplayRequest {
   std::filesystem::path load_map;
   std::filesystem::path save_map;
   std::filesystem::path out;
-  std::vector<std::string> overrides;    ///< "group.key=value" on top of the config
-  bool use_virtual_views = true;         ///< the bag's /virtual_cam0/frame and the loaded map's
-  std::optional<LoopCriteria> revisits;  ///< of a loaded map's places; default: as everywhere
+  std::vector<std::string> overrides;        ///< "group.key=value" on top of the config
+  bool use_virtual_views = true;             ///< the bag's /virtual_cam0/frame and the loaded map's
+  std::optional<RevisitLimits> map_revisit;  ///< of a loaded map's places; default: as everywhere
   bool show_progress = true;
 };
-
-/// One verified candidate, as it goes to loops.csv.
-using LoopRow = LoopReport;
 
 /// What a replay found.
 struct ReplayResult {
   std::vector<KeyframeInfo> keyframes;  ///< the loaded map's first
   int map_keyframes = 0;                ///< how many of them are the loaded map's
-  std::vector<LoopRow> loops;           ///< in the order in which they were decided
+  std::vector<LoopReport> loops;        ///< in the order in which they were decided
   MatchSamples matches;                 ///< of some of them
   /// Per keyframe with something to be matched with: (current, best past keyframe, score).
   struct Best {
     int current = -1;
     BestPlace place;
-    std::optional<ScoredDecision> decision;  ///< where the truth covers both
   };
   std::vector<Best> best_places;
   std::vector<std::string> problems;  ///< messages and keyframes that could not be used
@@ -63,30 +60,14 @@ struct ReplayResult {
   double slowest_keyframe_ms = 0;
   ViewCounts views;
   double view_memory_kb = 0;  ///< per view kept, with its part of the index
-  // With ground truth.
-  std::optional<LoopScore> score;
-  int virtual_loops = 0;  ///< accepted, with virtual views
-  int virtual_correct = 0;
-  /// Keyframes near a place of the loaded map by the criteria, and those with a correct loop to it.
-  int map_revisits = 0;
-  int map_revisits_found = 0;
-  std::optional<RelocalisationCurve> relocalisation;  ///< with a loaded map
-  /// Places told by score alone, without geometry: the paper's Fig. 20.
-  std::vector<SweepPoint> detections;
-  double recall_at_precision_1 = 0;  ///< of the loops, when only those of a score from some r count
-  std::optional<ApeStatistics> ape;
-  std::optional<ApeStatistics> vio_ape;
-  std::optional<ApeStatistics>
-      map_frame_ape;  ///< in the loaded map's frame, aligned by the map alone
 };
 
-/// Runs LoopCloser over a bag and judges the result. Throws InputError for bad input.
+/// Runs LoopCloser over a bag and writes its results to `request.out`. Throws InputError for bad
+/// input.
 ReplayResult RunReplay(const ReplayRequest& request);
 
-/// Fills in what can be told with `request.groundtruth`. Throws InputError for bad files.
-void JudgeReplay(const ReplayRequest& request, const Rigid3& T_B_C, ReplayResult* result);
-
-/// The documented JSON keys; null where there is no ground truth.
+/// The documented JSON keys; those that need the truth are null, or count nothing, until a
+/// ReplayJudge fills them in.
 nlohmann::ordered_json ToJson(const ReplayResult& result);
 
 /// The file in the package's config/vocabulary for this descriptor. Looks beside the source tree

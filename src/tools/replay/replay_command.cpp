@@ -2,88 +2,60 @@
 
 #include <iostream>
 #include <memory>
-#include <optional>
 
 #include "common/commands.hpp"
 #include "replay/replay.hpp"
+#include "replay/replay_judge.hpp"
 #include <fmt/format.h>
 
 namespace deja_view {
 namespace {
 
-std::string Cell(const std::optional<ApeStatistics>& ape, double ApeStatistics::*member) {
-  return ape ? fmt::format("{:.4f}", (*ape).*member) : "-";
-}
+using Json = nlohmann::ordered_json;
 
-void PrintTable(const ReplayResult& r) {
-  const auto json = ToJson(r);
-  std::cout << fmt::format("keyframes {}  places {}  loops {}",
+void PrintTable(const ReplayResult& r, const Json& json, const ReplayVerdict& verdict) {
+  std::cout << fmt::format("keyframes {}  places {}  loops {}{}\n{}",
                            json["keyframes"].get<int>(),
                            r.places,
-                           json["loops_accepted"].get<int>());
-  if (r.score) {
-    std::cout << fmt::format("  correct {}  precision {:.3f}  recall {:.3f} ({} of {} revisits)",
-                             r.score->correct,
-                             r.score->precision(),
-                             r.score->recall(),
-                             r.score->revisits_found,
-                             r.score->revisits);
-  }
-  std::cout << "\n";
-  if (r.map_revisits > 0) {
-    std::cout << fmt::format("places of the map: {} of {} revisits found, {:.3f}\n",
-                             r.map_revisits_found,
-                             r.map_revisits,
-                             1.0 * r.map_revisits_found / r.map_revisits);
-  }
+                           json["loops_accepted"].get<int>(),
+                           verdict.loops,
+                           verdict.map);
   if (r.views.kept > 0 || r.views.received > 0) {
     std::cout << fmt::format(
         "virtual views: {} received, {} kept, {:.1f} kB each; loops with them {}\n",
         r.views.received,
         r.views.kept,
         r.view_memory_kb,
-        r.virtual_loops);
+        json["loops_virtual"].get<int>());
   }
-  if (r.ape) {
-    std::cout << "APE [m]      mean    rmse     max  median     min\n";
-    const auto row = [](const char* name, const std::optional<ApeStatistics>& ape) {
-      std::cout << fmt::format("{:<9} {:>7} {:>7} {:>7} {:>7} {:>7}\n",
-                               name,
-                               Cell(ape, &ApeStatistics::mean),
-                               Cell(ape, &ApeStatistics::rmse),
-                               Cell(ape, &ApeStatistics::max),
-                               Cell(ape, &ApeStatistics::median),
-                               Cell(ape, &ApeStatistics::min));
-    };
-    row("VIO", r.vio_ape);
-    row("corrected", r.ape);
-    if (r.map_frame_ape) {
-      row("in map", r.map_frame_ape);
-    }
-  }
-  std::cout << fmt::format(
-      "{:.2f} CPU-s, {:.2f} s, {:.0f} MB peak; per keyframe [ms]: features {:.2f}, words {:.2f}, "
-      "query {:.2f}, verification {:.2f}, graph {:.2f}\n",
-      r.cpu_s,
-      r.wall_s,
-      r.peak_rss_mb,
-      r.mean_times.features,
-      r.mean_times.words,
-      r.mean_times.query,
-      r.mean_times.verification,
-      r.mean_times.graph);
+  std::cout << verdict.errors
+            << fmt::format(
+                   "{:.2f} CPU-s, {:.2f} s, {:.0f} MB peak; per keyframe [ms]: features {:.2f}, "
+                   "words {:.2f}, query {:.2f}, verification {:.2f}, graph {:.2f}\n",
+                   r.cpu_s,
+                   r.wall_s,
+                   r.peak_rss_mb,
+                   r.mean_times.features,
+                   r.mean_times.words,
+                   r.mean_times.query,
+                   r.mean_times.verification,
+                   r.mean_times.graph);
   for (const std::string& problem : r.problems) {
     std::cerr << "warning: " << problem << "\n";
   }
 }
 
-}  // namespace
+Json Replay(const ReplayRequest& request) {
+  const ReplayJudge judge(request);
+  const ReplayResult result = RunReplay(request);
+  const ReplayVerdict verdict = judge.Judge(result);
+  Json json = ToJson(result);
+  json.update(verdict.figures);
+  PrintTable(result, json, verdict);
+  return json;
+}
 
-void AddReplayCommand(CLI::App& app, Command* command) {
-  auto request = std::make_shared<ReplayRequest>();
-  auto json_file = std::make_shared<std::string>();
-  CLI::App* sub =
-      app.add_subcommand("replay", "Close loops over a bag of VINS-Mono's topics at full speed");
+void AddInputOptions(CLI::App* sub, ReplayRequest* request) {
   sub->add_option("--bag", request->bag, "Bag with images and VINS-Mono's keyframes")->required();
   sub->add_option("--virtual-bag",
                   request->virtual_bag,
@@ -97,11 +69,10 @@ void AddReplayCommand(CLI::App& app, Command* command) {
   sub->add_option(
       "--map-groundtruth", request->map_groundtruth, "True body poses of the loaded map");
   sub->add_option("--load-map", request->load_map, "Directory of a saved map to start from");
-  sub->add_option("--save-map", request->save_map, "Directory to save the map to");
-  sub->add_option("--out", request->out, "Directory for trajectory.txt, vio.txt and loops.csv");
-  sub->add_option("--json", *json_file, "File for the results");
-  sub->add_flag_callback(
-      "--quiet", [request] { request->show_progress = false; }, "No progress");
+}
+
+/// Options that set options of the loop closer, and what is judged.
+void AddShortcuts(CLI::App* sub, ReplayRequest* request) {
   sub->add_option_function<double>(
       "--map-spacing",
       [request](double spacing) {
@@ -120,22 +91,34 @@ void AddReplayCommand(CLI::App& app, Command* command) {
   sub->add_option_function<std::vector<double>>(
          "--revisit",
          [request](const std::vector<double>& limits) {
-           request->revisits.emplace();
-           request->revisits->revisit_distance_m = limits[0];
-           request->revisits->revisit_angle_deg = limits[1];
+           request->map_revisit = RevisitLimits{limits[0], limits[1]};
          },
          "What counts as seeing a place of the loaded map again: metres, degrees (2 40)")
       ->expected(2);
+}
+
+}  // namespace
+
+void AddReplayCommand(CLI::App& app, Command* command) {
+  auto request = std::make_shared<ReplayRequest>();
+  auto json_file = std::make_shared<std::string>();
+  CLI::App* sub =
+      app.add_subcommand("replay", "Close loops over a bag of VINS-Mono's topics at full speed");
+  AddInputOptions(sub, request.get());
+  sub->add_option("--save-map", request->save_map, "Directory to save the map to");
+  sub->add_option("--out", request->out, "Directory for trajectory.txt, vio.txt and loops.csv");
+  sub->add_option("--json", *json_file, "File for the results");
+  sub->add_flag_callback(
+      "--quiet", [request] { request->show_progress = false; }, "No progress");
+  AddShortcuts(sub, request.get());
   sub->footer(
       "Example:\n  deja_view replay --bag hall.bag --camera euroc.yaml --groundtruth truth.txt "
       "--out out");
   sub->callback([=] {
     *command = [=] {
-      const ReplayResult result = RunReplay(*request);
-      PrintTable(result);
+      const Json json = Replay(*request);
       if (!json_file->empty()) {
-        WriteFileAtomically(*json_file,
-                            [&](std::ostream& out) { out << ToJson(result).dump(2) << "\n"; });
+        WriteFileAtomically(*json_file, [&](std::ostream& out) { out << json.dump(2) << "\n"; });
       }
       return 0;
     };

@@ -1,7 +1,7 @@
-#include "deja_view/vocabulary/vocabulary.hpp"
 #include "deja_view/vocabulary/vocabulary_files.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/vocabulary/vocabulary.hpp"
 
 #include <filesystem>
 #include <fstream>

@@ -51,9 +51,14 @@ bool IsRevisit(const TrueKeyframe& current,
                const Rigid3& T_B_C,
                const LoopCriteria& criteria = {});
 
-/// Judges loops against the truth. A loop is correct when its relative pose is within the limits of
-/// the true one; recall counts keyframes. `T_B_C` gives the viewing direction, the camera's z.
-/// Keyframes of a loaded map are old whatever their stamps say.
+/// Whether a loop's relative pose is within the limits of the true one; nothing where the truth
+/// does not cover both ends.
+std::optional<bool> IsCorrect(const std::vector<TrueKeyframe>& keyframes,
+                              const EvaluatedLoop& loop,
+                              const LoopCriteria& criteria = {});
+
+/// Judges loops against the truth; recall counts keyframes. `T_B_C` gives the viewing direction,
+/// the camera's z. Keyframes of a loaded map are old whatever their stamps say.
 LoopScore ScoreLoops(const std::vector<TrueKeyframe>& keyframes,
                      const std::vector<EvaluatedLoop>& loops,
                      const Rigid3& T_B_C,

@@ -3,6 +3,7 @@
 #include "deja_view/geometry/rigid3.hpp"
 #include "deja_view/geometry/trajectory.hpp"
 #include "deja_view/lab/evaluation/ape.hpp"
+#include "deja_view/lab/evaluation/judge.hpp"
 #include "deja_view/lab/evaluation/loop_score.hpp"
 
 #include <cstdint>
@@ -43,9 +44,6 @@ std::vector<LoopRecord> ReadLoops(const std::filesystem::path& path);
 /// Reads trajectory.txt, vio.txt and loops.csv; the run is named after the directory. Throws
 /// InputError, also when the two trajectories are not of the same keyframes.
 RunData ReadRun(const std::filesystem::path& directory);
-
-/// What the truth says about a run.
-enum class Verdict { kUnknown, kCorrect, kWrong };
 
 /// A run beside the truth. Positions and errors are per keyframe, NaN where the truth has no pose;
 /// without any truth, estimates stay in their own frames.
