@@ -1,3 +1,4 @@
+#include "deja_view/base/atomic_file.hpp"
 #include "deja_view/lab/sim/exact_views.hpp"
 #include "deja_view/lab/sim/options.hpp"
 
@@ -5,6 +6,7 @@
 #include <memory>
 
 #include "common/commands.hpp"
+#include "common/interrupt.hpp"
 #include "simulate/simulate_flight.hpp"
 #include "simulate/simulate_views.hpp"
 #include <fmt/format.h>
@@ -31,13 +33,9 @@ void PrintFlight(const SimulateRequest& request, const nlohmann::ordered_json& j
       json["wall_s"].get<double>());
 }
 
-}  // namespace
+using Request = std::shared_ptr<SimulateRequest>;
 
-void AddSimulateCommand(CLI::App& app, Command* command) {
-  auto request = std::make_shared<SimulateRequest>();
-  auto json_file = std::make_shared<std::string>();
-  CLI::App* sub = app.add_subcommand(
-      "simulate", "Fly a simulated drone through a hall, with images, IMU and a drifting VIO");
+void AddFlightOptions(CLI::App* sub, const Request& request) {
   const auto set = [request](const char* key) {
     return [request, key](const std::string& value) {
       request->overrides.push_back(fmt::format("{}={}", key, value));
@@ -67,6 +65,9 @@ void AddSimulateCommand(CLI::App& app, Command* command) {
       ->check(CLI::PositiveNumber);
   sub->add_option(
       "--config", request->config, "YAML with simulation options, on top of the preset");
+}
+
+void AddOutputOptions(CLI::App* sub, const Request& request) {
   sub->add_flag("--bag", request->bag, "Write flight.bag with VINS-Mono's topics (needs ROS)");
   sub->add_option("--images", request->images, "Write images/<stamp>: png, jpg or none")
       ->check(CLI::IsMember({"png", "jpg", "none"}));
@@ -88,31 +89,40 @@ void AddSimulateCommand(CLI::App& app, Command* command) {
   sub->add_option("--virtual-content", request->virtual_content, "What they hold")
       ->check(CLI::IsMember({"features", "image", "both"}))
       ->capture_default_str();
+}
+
+int Simulate(const SimulateRequest& request, const std::string& json_file) {
+  const bool only_views = !request.views_for.empty() || !request.views_like.empty();
+  nlohmann::ordered_json json;
+  try {
+    json = only_views ? RunSimulateViews(request) : RunSimulate(request);
+  } catch (const Interrupted& e) {
+    std::cerr << "deja_view: " << e.what() << "\n";
+    return 130;  // as shells report a program that Ctrl-C ended
+  }
+  if (!json_file.empty()) {
+    WriteFileAtomically(json_file, [&](std::ostream& out) { out << json.dump(2) << "\n"; });
+  }
+  (only_views ? PrintViews : PrintFlight)(request, json);
+  return 0;
+}
+
+}  // namespace
+
+void AddSimulateCommand(CLI::App& app, Command* command) {
+  auto request = std::make_shared<SimulateRequest>();
+  auto json_file = std::make_shared<std::string>();
+  CLI::App* sub = app.add_subcommand(
+      "simulate", "Fly a simulated drone through a hall, with images, IMU and a drifting VIO");
+  AddFlightOptions(sub, request);
+  AddOutputOptions(sub, request);
   sub->add_option("--json", *json_file, "File for the figures");
   sub->add_flag_callback(
       "--quiet", [request] { request->show_progress = false; }, "No progress");
   sub->footer(
       "Writes groundtruth.txt and vio.txt (TUM, body poses), camera.yaml, simulation.yaml.\n"
       "Example:\n  deja_view simulate --preset hall --seed 3 --duration 60 --bag --out flight");
-  sub->callback([=] {
-    *command = [=] {
-      const auto only_views = [&] {
-        return !request->views_for.empty() || !request->views_like.empty();
-      };
-      nlohmann::ordered_json json;
-      try {
-        json = only_views() ? RunSimulateViews(*request) : RunSimulate(*request);
-      } catch (const Interrupted& e) {
-        std::cerr << "deja_view: " << e.what() << "\n";
-        return 130;  // as shells report a program that Ctrl-C ended
-      }
-      if (!json_file->empty()) {
-        WriteFileAtomically(*json_file, [&](std::ostream& out) { out << json.dump(2) << "\n"; });
-      }
-      (only_views() ? PrintViews : PrintFlight)(*request, json);
-      return 0;
-    };
-  });
+  sub->callback([=] { *command = [=] { return Simulate(*request, *json_file); }; });
 }
 
 }  // namespace deja_view
