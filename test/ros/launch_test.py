@@ -1,0 +1,81 @@
+#!/usr/bin/python3
+"""The launch files hand every argument on to the node, whichever of them includes it. No master is needed.
+
+Usage: launch_test.py LAUNCH_DIRECTORY"""
+
+import os
+import sys
+import unittest
+
+import roslaunch.config
+import roslaunch.xmlloader
+
+LAUNCH = sys.argv.pop(1) if len(sys.argv) > 1 else "launch"
+
+# Argument of the launch files, and parameter of the node.
+ARGUMENTS = {
+    "config_path": "config_file",
+    "options_file": "options_file",
+    "vocabulary_file": "vocabulary_file",
+    "map_directory": "map_directory",
+    "load_map": "load_map_at_start",
+    "save_map": "save_map_at_end",
+    "output_directory": "output_directory",
+    "image_topic": "topics/image",
+    "keyframe_pose_topic": "topics/keyframe_pose",
+    "keyframe_point_topic": "topics/keyframe_point",
+    "extrinsic_topic": "topics/extrinsic",
+    "odometry_topic": "topics/odometry",
+    "imu_propagate_topic": "topics/imu_propagate",
+    "relo_relative_pose_topic": "topics/relo_relative_pose",
+    "virtual_topic": "topics/virtual_frame",
+}
+
+
+def load(name, **arguments):
+    config = roslaunch.config.ROSLaunchConfig()
+    roslaunch.xmlloader.XmlLoader().load(
+        os.path.join(LAUNCH, name),
+        config,
+        argv=[f"{key}:={value}" for key, value in arguments.items()],
+        verbose=False,
+    )
+    return config
+
+
+def parameters(config):
+    prefix = "/loop_fusion/"
+    return {p.key[len(prefix):]: p.value for p in config.params.values() if p.key.startswith(prefix)}
+
+
+class LaunchTest(unittest.TestCase):
+    def test_every_argument_reaches_the_node(self):
+        given = {argument: "/" + argument for argument in ARGUMENTS}
+        for name, more in (
+            ("loop_fusion.launch", {}),
+            ("replay.launch", {"bag": "flight.bag"}),
+            ("vins_mono.launch", {"start_vins": "false"}),
+            ("euroc.launch", {"bag": "flight.bag"}),
+            ("euroc.launch", {"bag": "flight.bag", "vins": "true"}),
+        ):
+            found = parameters(load(name, compressed_images="true", **given, **more))
+            self.assertEqual({a: found[p] for a, p in ARGUMENTS.items()}, given, name)
+            self.assertIs(found["compressed_images"], True, name)
+
+    def test_without_arguments_the_topics_are_those_of_vins_mono(self):
+        found = parameters(load("vins_mono.launch", config_path="camera.yaml"))
+        self.assertEqual(found["topics/keyframe_pose"], "/vins_estimator/keyframe_pose")
+        self.assertEqual(found["topics/image"], "")
+        self.assertTrue(found["options_file"].endswith("loop_fusion.yaml"))
+
+    def test_a_replay_plays_all_that_the_node_hears(self):
+        config = load("replay.launch", bag="flight.bag", config_path="camera.yaml")
+        player = next(n for n in config.nodes if n.name == "player")
+        heard = [v for k, v in parameters(config).items() if k.startswith("topics/")]
+        self.assertEqual(len(heard), 8)
+        for topic in heard:
+            self.assertIn(topic, player.args.split())
+
+
+if __name__ == "__main__":
+    unittest.main()
