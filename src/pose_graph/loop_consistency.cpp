@@ -37,7 +37,6 @@ std::vector<std::string> LoopConsistencyOptions::Validate() const {
   require(plausible_m_per_m >= 0, "plausible_m_per_m must not be negative");
   require(plausible_yaw_deg > 0, "plausible_yaw_deg must be positive");
   require(plausible_yaw_deg_per_m >= 0, "plausible_yaw_deg_per_m must not be negative");
-  require(override_support >= 1, "override_support must be at least 1");
   return errors;
 }
 
@@ -134,12 +133,8 @@ bool LoopConsistency::IsBelieved(const Entry& entry,
   if (against > options_.max_support_ratio * support) {
     return false;
   }
-  if (!IsPlausible(entry.loop, graph)) {
-    *is_implausible = true;
-    return support >= options_.override_support &&
-           Gather(entry, graph).span_m >= options_.min_span_m;
-  }
-  return support >= options_.min_support;
+  *is_implausible = !IsPlausible(entry.loop, graph);
+  return !*is_implausible && support >= options_.min_support;
 }
 
 LoopConsistency::Evidence LoopConsistency::Gather(const Entry& entry,

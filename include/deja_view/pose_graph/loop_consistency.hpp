@@ -12,8 +12,8 @@ struct LoopConsistencyOptions {
   int min_support_join =
       4;  ///< the same for the loops that join two worlds, where nothing else can object
   double max_support_ratio = 0.34;  ///< contradicting over agreeing loops
-  // Loops that join two worlds, or overrule the odometry, have nothing but each other: repeated
-  // structure gives many that agree, but from one stretch of the flight, or with rivals.
+  // Loops that join two worlds have nothing but each other: repeated structure gives many that
+  // agree, but from one stretch of the flight, or with rivals.
   double min_span_m = 4.0;       ///< [m] of the flight over which they must spread
   double max_rival_ratio = 0.5;  ///< joining: contradicting (believed or not) over agreeing loops
   int span_window = 300;         ///< newest verified loops that are looked at for that
@@ -25,7 +25,6 @@ struct LoopConsistencyOptions {
   double plausible_m_per_m = 0.03;       ///< [m] more per metre flown since the last loop
   double plausible_yaw_deg = 4.0;        ///< [deg] always
   double plausible_yaw_deg_per_m = 0.3;  ///< [deg] more per metre flown since the last loop
-  int override_support = 12;  ///< so many agreeing loops overrule plausibility (the VIO has failed)
 
   template <typename Visitor>
   void Visit(Visitor& v) {
@@ -42,7 +41,6 @@ struct LoopConsistencyOptions {
     v("plausible_m_per_m", plausible_m_per_m);
     v("plausible_yaw_deg", plausible_yaw_deg);
     v("plausible_yaw_deg_per_m", plausible_yaw_deg_per_m);
-    v("override_support", override_support);
   }
   std::vector<std::string> Validate() const;
 };
@@ -52,7 +50,8 @@ struct LoopConsistencyOptions {
 /// al., PCM, ICRA 2018). A loop waits until enough others agree; it then enters the graph together
 /// with those that waited for it. Keyframes of a loaded map are as far apart as the map says.
 /// Consistent loops that claim more drift than the VIO can have gathered (a repeated structure seen
-/// from frame to frame) stay out, unless very many agree.
+/// from frame to frame) stay out however many agree: copies of a place see it as often as it is
+/// seen. What the VIO can have gathered grows with the way flown since the last loop.
 class LoopConsistency {
  public:
   enum class State { kPending, kImplausible, kAccepted };
