@@ -35,6 +35,7 @@ LoopBook::Entry LoopBook::Enter(LoopReport loop, PoseGraph* graph) {
   edge.to = loop.current;
   edge.T_from_to = loop.T_Bold_Bcurrent;
   edge.covariance = loop.covariance;
+  edge.scene_depth = loop.scene_depth;
   const auto sequence = [&](int node) {
     return graph->nodes().at(static_cast<std::size_t>(node)).sequence;
   };

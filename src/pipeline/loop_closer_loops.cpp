@@ -77,7 +77,9 @@ LoopReport LoopCloserImpl::Verify(const Candidate& candidate,
       keyframes_.node(newest).T_W_B.q,
       old_features,
       keyframes_.node(old).T_W_B.q,
-      with_views ? shelf_.RigOf(old, old_features.T_B_C) : std::vector<RigCamera>());
+      with_views ? shelf_.RigOf(old, old_features.T_B_C) : std::vector<RigCamera>(),
+      keyframes_.AreJoined(old, newest) ? std::optional<Rigid3>(keyframes_.T_a_b(old, newest))
+                                        : std::nullopt);
   LoopReport report;
   report.is_virtual = with_views;
   report.current = newest;
@@ -86,6 +88,7 @@ LoopReport LoopCloserImpl::Verify(const Candidate& candidate,
   report.stamp_old_ns = keyframes_[old].stamp_ns;
   report.T_Bold_Bcurrent = verification->T_Bold_Bcurrent;
   report.covariance = verification->covariance;
+  report.scene_depth = verification->scene_depth;
   report.score = candidate.score;
   report.matches = verification->matches;
   report.inliers = verification->inliers;
@@ -160,12 +163,14 @@ bool LoopCloserImpl::IsWithinReach(int old) const {
   if (!IsLocalised() || !keyframes_.AreJoined(old, newest)) {
     return true;
   }
-  constexpr double kMarginM = 1.0;
+  constexpr double kMargin = 0.2;  // of the scene's depth
   constexpr double kMarginDeg = 10.0;
   const Rigid3 T_old_newest = keyframes_.T_a_b(old, newest);
   const LoopVerifierOptions& gates = options_.verification;
-  return T_old_newest.t.norm() < gates.max_distance_m + kMarginM &&
-         RotationAngle(T_old_newest.q) < kDegree * (gates.max_yaw_deg + kMarginDeg);
+  const double depth = SceneDepth(keyframes_[old].features);
+  const bool is_near =
+      depth == 0 || T_old_newest.t.norm() < (gates.max_distance_over_depth + kMargin) * depth;
+  return is_near && RotationAngle(T_old_newest.q) < kDegree * (gates.max_yaw_deg + kMarginDeg);
 }
 
 // The real images of all candidates first: a rig costs several times as much, and is of use only

@@ -1,5 +1,7 @@
 #include "deja_view/pose_graph/loop_consistency.hpp"
 
+#include "deja_view/base/angles.hpp"
+#include "deja_view/base/requirements.hpp"
 #include "deja_view/pose_graph/four_dof_error.hpp"
 
 #include <algorithm>
@@ -9,8 +11,6 @@
 namespace deja_view {
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
-
 const PoseGraphNode& Node(const PoseGraph& graph, int i) {
   return graph.nodes().at(static_cast<std::size_t>(i));
 }
@@ -18,27 +18,28 @@ const PoseGraphNode& Node(const PoseGraph& graph, int i) {
 }  // namespace
 
 std::vector<std::string> LoopConsistencyOptions::Validate() const {
-  std::vector<std::string> errors;
-  const auto require = [&](bool ok, const char* text) {
-    if (!ok) {
-      errors.emplace_back(text);
-    }
+  Requirements r;
+  const auto at_least = [&](const char* key, double value, double least) {
+    r.That(value >= least, key, value, least > 0 ? "at least 1" : "at least 0");
   };
-  require(min_support >= 0, "min_support must not be negative");
-  require(min_support_join >= 0, "min_support_join must not be negative");
-  require(max_support_ratio >= 0, "max_support_ratio must not be negative");
-  require(min_span_m >= 0, "min_span_m must not be negative");
-  require(max_rival_ratio >= 0, "max_rival_ratio must not be negative");
-  require(span_window >= 1, "span_window must be at least 1");
-  require(window >= 1, "window must be at least 1");
-  require(max_path_m > 0, "max_path_m must be positive");
-  require(max_sigmas > 0, "max_sigmas must be positive");
-  require(plausible_m > 0, "plausible_m must be positive");
-  require(plausible_m_per_m >= 0, "plausible_m_per_m must not be negative");
-  require(plausible_yaw_deg > 0, "plausible_yaw_deg must be positive");
-  require(plausible_yaw_deg_per_m >= 0, "plausible_yaw_deg_per_m must not be negative");
-  require(override_support >= 1, "override_support must be at least 1");
-  return errors;
+  const auto positive = [&](const char* key, double value) {
+    r.That(value > 0, key, value, "more than 0");
+  };
+  at_least("min_support", min_support, 0);
+  at_least("min_support_join", min_support_join, 0);
+  at_least("max_support_ratio", max_support_ratio, 0);
+  at_least("min_span_over_depth", min_span_over_depth, 0);
+  at_least("same_place_over_depth", same_place_over_depth, 0);
+  at_least("max_rival_ratio", max_rival_ratio, 0);
+  at_least("span_window", span_window, 1);
+  at_least("window", window, 1);
+  positive("max_path_over_depth", max_path_over_depth);
+  positive("max_sigmas", max_sigmas);
+  positive("plausible_over_depth", plausible_over_depth);
+  at_least("plausible_m_per_m", plausible_m_per_m, 0);
+  positive("plausible_yaw_deg", plausible_yaw_deg);
+  at_least("plausible_yaw_deg_per_m", plausible_yaw_deg_per_m, 0);
+  return r.errors();
 }
 
 LoopConsistency::Comparison LoopConsistency::Compare(const PoseGraphLoop& a,
@@ -58,7 +59,8 @@ LoopConsistency::Comparison LoopConsistency::Compare(const PoseGraphLoop& a,
       is_map ? a_from.T_M_B().Inverse() * b_from.T_M_B() : a_from.T_W_B.Inverse() * b_from.T_W_B;
   const double from_path = is_map ? T_from.t.norm() : graph.PathLength(a.from, b.from);
   const double to_path = graph.PathLength(a.to, b.to);
-  if (from_path > options_.max_path_m || to_path > options_.max_path_m) {
+  const double max_path = options_.max_path_over_depth * std::min(a.scene_depth, b.scene_depth);
+  if (from_path > max_path || to_path > max_path) {
     return result;
   }
   result.is_comparable = true;
@@ -108,7 +110,7 @@ bool LoopConsistency::IsPlausible(const PoseGraphLoop& loop, const PoseGraph& gr
   const double yaw =
       WrapAngle(to.psi - from.psi - DeltaPsi(from.T_W_B.q, loop.T_from_to.q, to.T_W_B.q));
   return (predicted - loop.T_from_to.t).norm() <
-             options_.plausible_m + options_.plausible_m_per_m * path &&
+             options_.plausible_over_depth * loop.scene_depth + options_.plausible_m_per_m * path &&
          std::abs(yaw) <
              kDegree * (options_.plausible_yaw_deg + options_.plausible_yaw_deg_per_m * path);
 }
@@ -134,12 +136,8 @@ bool LoopConsistency::IsBelieved(const Entry& entry,
   if (against > options_.max_support_ratio * support) {
     return false;
   }
-  if (!IsPlausible(entry.loop, graph)) {
-    *is_implausible = true;
-    return support >= options_.override_support &&
-           Gather(entry, graph).span_m >= options_.min_span_m;
-  }
-  return support >= options_.min_support;
+  *is_implausible = !IsPlausible(entry.loop, graph);
+  return !*is_implausible && support >= options_.min_support;
 }
 
 LoopConsistency::Evidence LoopConsistency::Gather(const Entry& entry,
@@ -160,7 +158,7 @@ LoopConsistency::Evidence LoopConsistency::Gather(const Entry& entry,
       continue;
     }
     if (!c.agrees) {
-      ++evidence.rivals;
+      evidence.rivals.push_back(i);
     } else if (other.loop.to != entry.loop.to) {
       evidence.agreeing.push_back(i);
       first = std::min(first, other.loop.to);
@@ -171,12 +169,33 @@ LoopConsistency::Evidence LoopConsistency::Gather(const Entry& entry,
   return evidence;
 }
 
+int LoopConsistency::CountWitnesses(const std::vector<std::size_t>& entries,
+                                    const PoseGraph& graph) const {
+  const auto place = [&](int node) { return Node(graph, node).T_W_B.t; };
+  std::vector<const PoseGraphLoop*> witnesses;
+  for (const std::size_t i : entries) {
+    const PoseGraphLoop& loop = entries_[i].loop;
+    const double near = options_.same_place_over_depth * loop.scene_depth;
+    const bool is_known =
+        std::any_of(witnesses.begin(), witnesses.end(), [&](const PoseGraphLoop* other) {
+          return (place(loop.from) - place(other->from)).norm() < near &&
+                 (place(loop.to) - place(other->to)).norm() < near;
+        });
+    if (!is_known) {
+      witnesses.push_back(&loop);
+    }
+  }
+  return static_cast<int>(witnesses.size());
+}
+
 // The newest loop joins two worlds together with those that agree with it, or waits.
 std::vector<LoopConsistency::Entry> LoopConsistency::Join(const PoseGraph& graph) {
   const Evidence evidence = Gather(entries_.back(), graph);
-  const auto support = static_cast<int>(evidence.agreeing.size());
-  if (support < options_.min_support_join || evidence.span_m < options_.min_span_m ||
-      evidence.rivals > options_.max_rival_ratio * support) {
+  const PoseGraphLoop& newest = entries_.back().loop;
+  const int support = CountWitnesses(evidence.agreeing, graph);
+  if (support < options_.min_support_join ||
+      evidence.span_m < options_.min_span_over_depth * newest.scene_depth ||
+      CountWitnesses(evidence.rivals, graph) > options_.max_rival_ratio * support) {
     return {};
   }
   std::vector<Entry> believed;

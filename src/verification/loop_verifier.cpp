@@ -5,33 +5,16 @@
 #include "deja_view/features/keypoint_grid.hpp"
 
 #include <algorithm>
-#include <bitset>
 #include <cmath>
 #include <utility>
 
-#include <Eigen/Eigenvalues>
+#include "loop_verifier_parts.hpp"
 
 namespace deja_view {
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
-constexpr int kCellColumns = 8;
-constexpr int kCellRows = 6;
-constexpr float kGridCellPx = 32.0F;
-
-using CellSet = std::bitset<kCellColumns * kCellRows>;
-
 Eigen::Vector3d ToDouble(const Eigen::Vector3f& v) {
   return v.cast<double>();
-}
-
-/// Cell of the grid over the image that spread is counted on.
-std::size_t CellOf(const Eigen::Vector2f& pixel, const Camera& camera) {
-  const int x =
-      std::clamp(static_cast<int>(pixel.x()) * kCellColumns / camera.width(), 0, kCellColumns - 1);
-  const int y =
-      std::clamp(static_cast<int>(pixel.y()) * kCellRows / camera.height(), 0, kCellRows - 1);
-  return static_cast<std::size_t>(y * kCellColumns + x);
 }
 
 }  // namespace
@@ -41,76 +24,6 @@ std::size_t KeyframeFeatures::MemoryBytes() const {
   return bytes(keypoints) + bytes(descriptors) + bytes(points_B) + bytes(point_pixels) +
          bytes(point_depth_sigmas) + bytes(point_ids) + bytes(point_descriptors);
 }
-
-std::vector<std::string> LoopVerifierOptions::Validate() const {
-  std::vector<std::string> errors;
-  const auto require = [&](bool ok, const char* text) {
-    if (!ok) {
-      errors.emplace_back(text);
-    }
-  };
-  require(max_distance > 0 && max_distance <= 256, "max_distance must be in 1..256");
-  require(max_ratio > 0 && max_ratio <= 1, "max_ratio must be in (0, 1]");
-  require(min_matches >= 3, "min_matches must be at least 3");
-  require(min_ransac_inliers >= 3, "min_ransac_inliers must be at least 3");
-  require(final_radius_px > 0, "final_radius_px must be positive");
-  require(guided_radius_px > 0, "guided_radius_px must be positive");
-  require(guided_max_distance > 0 && guided_max_distance <= 256,
-          "guided_max_distance must be in 1..256");
-  require(min_inliers >= 4, "min_inliers must be at least 4");
-  require(min_inlier_ratio >= 0 && min_inlier_ratio <= 1, "min_inlier_ratio must be in [0, 1]");
-  require(min_cells >= 1 && min_cells <= kCellColumns * kCellRows, "min_cells must be in 1..48");
-  require(max_distance_m > 0, "max_distance_m must be positive");
-  require(max_yaw_deg > 0, "max_yaw_deg must be positive");
-  require(max_gravity_deg > 0, "max_gravity_deg must be positive");
-  require(max_sigma_m > 0, "max_sigma_m must be positive");
-  require(rig.min_ransac_ratio >= 0 && rig.min_ransac_ratio <= 1,
-          "rig.min_ransac_ratio must be in [0, 1]");
-  require(rig.min_inliers >= 4, "rig.min_inliers must be at least 4");
-  require(rig.min_inlier_ratio >= 0 && rig.min_inlier_ratio <= 1,
-          "rig.min_inlier_ratio must be in [0, 1]");
-  require(rig.min_cells >= 1 && rig.min_cells <= kCellColumns * kCellRows,
-          "rig.min_cells must be in 1..48");
-  require(rig.max_gravity_deg > 0, "rig.max_gravity_deg must be positive");
-  require(rig.max_sigma_m > 0, "rig.max_sigma_m must be positive");
-  require(pose.inlier_threshold_px > 0, "pose.inlier_threshold_px must be positive");
-  require(pose.ransac_threshold_px > 0, "pose.ransac_threshold_px must be positive");
-  require(pose.pixel_sigma > 0, "pose.pixel_sigma must be positive");
-  require(pose.tilt_sigma_deg > 0, "pose.tilt_sigma_deg must be positive");
-  require(pose.max_iterations > 0, "pose.max_iterations must be positive");
-  require(pose.confidence > 0 && pose.confidence < 1, "pose.confidence must be in (0, 1)");
-  return errors;
-}
-
-/// Points of one keyframe looked for in an image of the other; each with its camera.
-struct LoopVerifier::Link {
-  const KeyframeFeatures* points;
-  const Camera* points_camera;
-  const KeyframeFeatures* image;
-  const Camera* image_camera;
-  bool is_reverse;  ///< points of the old keyframe in the current image
-};
-
-/// Point `point` of a link's points seen as keypoint `keypoint` of its image.
-struct LoopVerifier::Match {
-  int point = -1;
-  int keypoint = -1;
-  std::size_t link = 0;
-};
-
-struct LoopVerifier::Problem {
-  std::vector<PointObservation> observations;
-  std::vector<Match> matches;              ///< per observation
-  std::vector<std::vector<bool>> visible;  ///< per link: points that fall into the image
-};
-
-/// Two keyframes: the links between their cameras, the two real ones first.
-struct LoopVerifier::Pair {
-  std::vector<Link> links;
-  GravityPair gravity;
-
-  bool has_rig() const { return links.size() > 2; }
-};
 
 LoopVerifier::LoopVerifier(const LoopVerifierOptions& options, std::shared_ptr<const Camera> camera)
     : options_(options), camera_(std::move(camera)) {
@@ -201,16 +114,6 @@ LoopVerifier::Problem LoopVerifier::MatchAround(const Pair& pair,
   return problem;
 }
 
-RigGates LoopVerifier::GatesOf(const Pair& pair) const {
-  return pair.has_rig() ? options_.rig
-                        : RigGates{0.0,
-                                   options_.min_inliers,
-                                   options_.min_inlier_ratio,
-                                   options_.min_cells,
-                                   options_.max_gravity_deg,
-                                   options_.max_sigma_m};
-}
-
 std::optional<Rigid3> LoopVerifier::FirstPose(const Pair& pair, Verification* v) const {
   Problem problem;
   for (std::size_t i = 0; i < pair.links.size(); ++i) {
@@ -238,74 +141,11 @@ std::optional<Rigid3> LoopVerifier::FirstPose(const Pair& pair, Verification* v)
       .T_O_U;
 }
 
-void LoopVerifier::Summarise(const Pair& pair,
-                             const Problem& problem,
-                             const RefinedPose& pose,
+void LoopVerifier::SolveFrom(const Rigid3& first,
+                             const std::vector<double>& radii_px,
+                             double log10_tests,
+                             const Pair& pair,
                              Verification* v) const {
-  v->T_Bold_Bcurrent = pose.T_O_U;
-  v->covariance = pose.covariance;
-  v->rmse_px = pose.rmse_px;
-  v->inliers = static_cast<int>(pose.inliers.size());
-  v->found = v->inliers;
-  v->visible = 0;
-  for (const std::vector<bool>& visible : problem.visible) {
-    v->visible += static_cast<int>(std::count(visible.begin(), visible.end(), true));
-  }
-  CellSet old_cells;
-  CellSet current_cells;
-  for (const int i : pose.inliers) {
-    const Match& match = problem.matches[static_cast<std::size_t>(i)];
-    const Link& link = pair.links[match.link];
-    const Eigen::Vector2f& point = link.points->point_pixels[static_cast<std::size_t>(match.point)];
-    const Eigen::Vector2f& seen = link.image->keypoints[static_cast<std::size_t>(match.keypoint)];
-    (link.is_reverse ? old_cells : current_cells).set(CellOf(point, *link.points_camera));
-    (link.is_reverse ? current_cells : old_cells).set(CellOf(seen, *link.image_camera));
-    v->pixel_matches.push_back({static_cast<int>(match.link / 2),
-                                link.is_reverse ? point : seen,
-                                link.is_reverse ? seen : point});
-    if (match.link == 0) {
-      v->point_matches.push_back({match.point, match.keypoint});
-    }
-  }
-  v->cells = static_cast<int>(std::min(old_cells.count(), current_cells.count()));
-}
-
-// What several cameras of the rig show is one piece of evidence, and no more certain for that: the
-// views come from one model.
-void LoopVerifier::CountOnce(const Pair& pair,
-                             const Problem& problem,
-                             const RefinedPose& pose,
-                             Verification* v) const {
-  std::vector<bool> is_visible(pair.links.front().points->points_B.size(), false);
-  std::vector<bool> is_found(is_visible.size(), false);
-  std::vector<bool> is_seen(pair.links[1].image->keypoints.size(), false);
-  for (std::size_t i = 0; i < pair.links.size(); ++i) {
-    for (std::size_t k = 0; k < is_visible.size() && !pair.links[i].is_reverse; ++k) {
-      is_visible[k] = is_visible[k] || problem.visible[i][k];
-    }
-  }
-  for (const int i : pose.inliers) {
-    const Match& match = problem.matches[static_cast<std::size_t>(i)];
-    if (pair.links[match.link].is_reverse) {
-      is_seen[static_cast<std::size_t>(match.keypoint)] = true;
-    } else {
-      is_found[static_cast<std::size_t>(match.point)] = true;
-    }
-  }
-  const auto count = [](const std::vector<bool>& flags) {
-    return static_cast<int>(std::count(flags.begin(), flags.end(), true));
-  };
-  v->visible = count(is_visible);
-  v->found = count(is_found);
-  v->inliers = v->found + count(is_seen);
-  if (v->inliers > 0) {
-    v->covariance *= static_cast<double>(pose.inliers.size()) / v->inliers;
-  }
-}
-
-Verification LoopVerifier::Solve(const Pair& pair) const {
-  Verification v;
-  const RigGates gates = GatesOf(pair);
   const auto refine = [&](const Rigid3& start, const Problem& problem, bool use_gravity) {
     return RefineRelativePose(start,
                               problem.observations,
@@ -314,45 +154,71 @@ Verification LoopVerifier::Solve(const Pair& pair) const {
                               camera_->FocalLength(),
                               options_.pose);
   };
-  const std::optional<Rigid3> first = FirstPose(pair, &v);
-  if (!first) {
-    return v;
-  }
-  // Twice, the second time closer around the better pose: the wide window lets wrong neighbours in.
+  // Ever closer around the better pose: a wide window lets wrong neighbours in.
   Problem guided;
-  Rigid3 T_old_current = *first;
-  for (const double radius_px : {options_.guided_radius_px, options_.final_radius_px}) {
+  Rigid3 T_old_current = first;
+  for (const double radius_px : radii_px) {
     guided = MatchAround(pair, T_old_current, radius_px);
-    v.guided = static_cast<int>(guided.observations.size());
-    if (v.guided < options_.min_ransac_inliers) {
-      v.reason = RejectReason::kTooFewInliers;
-      return v;
+    v->guided = static_cast<int>(guided.observations.size());
+    if (v->guided < options_.min_ransac_inliers) {
+      v->reason = RejectReason::kTooFewInliers;
+      return;
     }
     T_old_current = refine(T_old_current, guided, true).T_O_U;
   }
-  v.gravity_disagreement =
+  v->gravity_disagreement =
       GravityDisagreement(refine(T_old_current, guided, false).T_O_U, pair.gravity);
   const RefinedPose pose = refine(T_old_current, guided, true);
-  Summarise(pair, guided, pose, &v);
+  Summarise(pair, guided, pose, v);
   if (pair.has_rig()) {
-    CountOnce(pair, guided, pose, &v);
+    CountOnce(pair, guided, pose, v);
   }
-  v.reason = Gate(v, gates);
-  return v;
+  v->log10_false_alarms = Log10FalseAlarms(pair, guided, pose, log10_tests);
+  v->reason = Gate(*v, GatesOf(pair));
+}
+
+Verification LoopVerifier::Solve(const Pair& pair, const std::optional<Rigid3>& predicted) const {
+  Verification v;
+  const std::optional<Rigid3> first = FirstPose(pair, &v);
+  if (first) {
+    const double pairs_of_matches = 0.5 * v.matches * (v.matches - 1);
+    constexpr double kPosesPerPair = 2;
+    SolveFrom(*first,
+              {options_.guided_radius_px, options_.final_radius_px},
+              std::log10(kPosesPerPair * pairs_of_matches),
+              pair,
+              &v);
+  }
+  if (v.reason == RejectReason::kNone || !predicted || options_.predicted_radius_px <= 0) {
+    return v;
+  }
+  Verification again;
+  again.matches = v.matches;
+  again.ransac_inliers = v.ransac_inliers;
+  // Poses that are told apart by the final window, in four degrees of freedom.
+  const double per_axis = std::max(1.0, options_.predicted_radius_px / options_.final_radius_px);
+  SolveFrom(*predicted,
+            {options_.predicted_radius_px, options_.guided_radius_px, options_.final_radius_px},
+            4.0 * std::log10(per_axis),
+            pair,
+            &again);
+  return again.reason == RejectReason::kNone ? again : v;
 }
 
 Verification LoopVerifier::Verify(const KeyframeFeatures& current,
                                   const Eigen::Quaterniond& q_W_Bcurrent,
                                   const KeyframeFeatures& old,
-                                  const Eigen::Quaterniond& q_W_Bold) const {
-  return VerifyRig(current, q_W_Bcurrent, old, q_W_Bold, {});
+                                  const Eigen::Quaterniond& q_W_Bold,
+                                  const std::optional<Rigid3>& T_Bold_Bcurrent_predicted) const {
+  return VerifyRig(current, q_W_Bcurrent, old, q_W_Bold, {}, T_Bold_Bcurrent_predicted);
 }
 
 Verification LoopVerifier::VerifyRig(const KeyframeFeatures& current,
                                      const Eigen::Quaterniond& q_W_Bcurrent,
                                      const KeyframeFeatures& old,
                                      const Eigen::Quaterniond& q_W_Bold,
-                                     const std::vector<RigCamera>& virtual_cameras) const {
+                                     const std::vector<RigCamera>& virtual_cameras,
+                                     const std::optional<Rigid3>& T_Bold_Bcurrent_predicted) const {
   Pair pair;
   pair.gravity = {LevelRotation(q_W_Bold), LevelRotation(q_W_Bcurrent)};
   const Camera* camera = camera_.get();
@@ -361,7 +227,7 @@ Verification LoopVerifier::VerifyRig(const KeyframeFeatures& current,
     pair.links.push_back({&current, camera, &view.features, view.camera.get(), false});
     pair.links.push_back({&view.features, view.camera.get(), &current, camera, true});
   }
-  return Solve(pair);
+  return Solve(pair, T_Bold_Bcurrent_predicted);
 }
 
 Agreement LoopVerifier::Agree(const RigCamera& virtual_camera,
@@ -377,33 +243,6 @@ Agreement LoopVerifier::Agree(const RigCamera& virtual_camera,
     agreement.visible += static_cast<int>(std::count(visible.begin(), visible.end(), true));
   }
   return agreement;
-}
-
-RejectReason LoopVerifier::Gate(const Verification& v, const RigGates& gates) const {
-  if (v.inliers < gates.min_inliers) {
-    return RejectReason::kTooFewInliers;
-  }
-  if (v.found < gates.min_inlier_ratio * v.visible) {
-    return RejectReason::kLowInlierRatio;
-  }
-  if (v.cells < gates.min_cells) {
-    return RejectReason::kPoorSpread;
-  }
-  if (v.T_Bold_Bcurrent.t.norm() > options_.max_distance_m) {
-    return RejectReason::kTooFar;
-  }
-  if (RotationAngle(v.T_Bold_Bcurrent.q) > options_.max_yaw_deg * kDegree) {
-    return RejectReason::kTooMuchYaw;
-  }
-  if (v.gravity_disagreement > gates.max_gravity_deg * kDegree) {
-    return RejectReason::kGravity;
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(v.covariance.topLeftCorner<3, 3>(),
-                                                             Eigen::EigenvaluesOnly);
-  if (!(eigen.eigenvalues().maxCoeff() < gates.max_sigma_m * gates.max_sigma_m)) {
-    return RejectReason::kUncertain;
-  }
-  return RejectReason::kNone;
 }
 
 }  // namespace deja_view

@@ -14,10 +14,10 @@ std::string ToString(RejectReason reason) {
       return "too_few_matches";
     case RejectReason::kTooFewInliers:
       return "too_few_inliers";
+    case RejectReason::kByChance:
+      return "by_chance";
     case RejectReason::kLowInlierRatio:
       return "low_inlier_ratio";
-    case RejectReason::kPoorSpread:
-      return "poor_spread";
     case RejectReason::kTooFar:
       return "too_far";
     case RejectReason::kTooMuchYaw:

@@ -1,5 +1,8 @@
 #include "deja_view/verification/relative_pose.hpp"
 
+#include "deja_view/base/angles.hpp"
+#include "deja_view/base/requirements.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,8 +13,6 @@
 
 namespace deja_view {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// An observation in level frames, for the two-point solver: points of `is_reverse` observations
 /// solve for the inverse transform.
@@ -211,6 +212,17 @@ Rigid3 Retract(const Rigid3& T, const Vector6& step) {
 }
 
 }  // namespace
+
+std::vector<std::string> RelativePoseOptions::Validate() const {
+  Requirements r;
+  r.That(inlier_threshold_px > 0, "inlier_threshold_px", inlier_threshold_px, "more than 0");
+  r.That(ransac_threshold_px > 0, "ransac_threshold_px", ransac_threshold_px, "more than 0");
+  r.That(pixel_sigma > 0, "pixel_sigma", pixel_sigma, "more than 0");
+  r.That(tilt_sigma_deg > 0, "tilt_sigma_deg", tilt_sigma_deg, "more than 0");
+  r.That(max_iterations > 0, "max_iterations", max_iterations, "more than 0");
+  r.That(confidence > 0 && confidence < 1, "confidence", confidence, "more than 0, less than 1");
+  return r.errors();
+}
 
 Eigen::Quaterniond LevelRotation(const Eigen::Quaterniond& q_W_B) {
   const Eigen::Vector3d up_B = q_W_B.conjugate() * Eigen::Vector3d::UnitZ();

@@ -50,6 +50,7 @@ struct LoopReport {
   std::int64_t stamp_old_ns = 0;
   Rigid3 T_Bold_Bcurrent;                  ///< measured relative pose [m]
   Matrix6d covariance = Matrix6d::Zero();  ///< of (t [m], rotation vector [rad]) in frame Bold
+  double scene_depth = 5.0;                ///< [m] median distance of the inliers' points
   double score = 0;                        ///< place score of the candidate
   int matches = 0;
   int inliers = 0;

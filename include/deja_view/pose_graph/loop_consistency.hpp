@@ -7,42 +7,45 @@
 
 namespace deja_view {
 
+/// Lengths named "_over_depth" are in units of the scene's depth, as the loops measure it: what is
+/// a short way in a hall leads through a whole room.
 struct LoopConsistencyOptions {
   int min_support = 2;  ///< other loops that must agree before one is believed
   int min_support_join =
       4;  ///< the same for the loops that join two worlds, where nothing else can object
   double max_support_ratio = 0.34;  ///< contradicting over agreeing loops
-  // Loops that join two worlds, or overrule the odometry, have nothing but each other: repeated
-  // structure gives many that agree, but from one stretch of the flight, or with rivals.
-  double min_span_m = 4.0;       ///< [m] of the flight over which they must spread
+  // Loops that join two worlds have nothing but each other: repeated structure gives many that
+  // agree, but from one stretch of the flight, or with rivals.
+  double min_span_over_depth = 0.3;  ///< of the flight over which they must spread
+  /// Loops whose both ends lie within this see the same two places: they are one witness.
+  double same_place_over_depth = 0.02;
   double max_rival_ratio = 0.5;  ///< joining: contradicting (believed or not) over agreeing loops
   int span_window = 300;         ///< newest verified loops that are looked at for that
   int window = 60;               ///< newest verified loops that a new one is compared with
-  double max_path_m = 15.0;      ///< [m] of odometry on either side between two compared loops
-  double max_sigmas = 3.5;       ///< of the difference, per axis and yaw
+  double max_path_over_depth = 3.0;  ///< of odometry on either side between two compared loops
+  double max_sigmas = 3.5;           ///< of the difference, per axis and yaw
   // Drift that a single loop may claim against the corrected trajectory.
-  double plausible_m = 0.6;              ///< [m] always
+  double plausible_over_depth = 0.12;    ///< always
   double plausible_m_per_m = 0.03;       ///< [m] more per metre flown since the last loop
   double plausible_yaw_deg = 4.0;        ///< [deg] always
   double plausible_yaw_deg_per_m = 0.3;  ///< [deg] more per metre flown since the last loop
-  int override_support = 12;  ///< so many agreeing loops overrule plausibility (the VIO has failed)
 
   template <typename Visitor>
   void Visit(Visitor& v) {
     v("min_support", min_support);
     v("min_support_join", min_support_join);
     v("max_support_ratio", max_support_ratio);
-    v("min_span_m", min_span_m);
+    v("min_span_over_depth", min_span_over_depth);
+    v("same_place_over_depth", same_place_over_depth);
     v("max_rival_ratio", max_rival_ratio);
     v("span_window", span_window);
     v("window", window);
-    v("max_path_m", max_path_m);
+    v("max_path_over_depth", max_path_over_depth);
     v("max_sigmas", max_sigmas);
-    v("plausible_m", plausible_m);
+    v("plausible_over_depth", plausible_over_depth);
     v("plausible_m_per_m", plausible_m_per_m);
     v("plausible_yaw_deg", plausible_yaw_deg);
     v("plausible_yaw_deg_per_m", plausible_yaw_deg_per_m);
-    v("override_support", override_support);
   }
   std::vector<std::string> Validate() const;
 };
@@ -52,7 +55,8 @@ struct LoopConsistencyOptions {
 /// al., PCM, ICRA 2018). A loop waits until enough others agree; it then enters the graph together
 /// with those that waited for it. Keyframes of a loaded map are as far apart as the map says.
 /// Consistent loops that claim more drift than the VIO can have gathered (a repeated structure seen
-/// from frame to frame) stay out, unless very many agree.
+/// from frame to frame) stay out however many agree: copies of a place see it as often as it is
+/// seen. What the VIO can have gathered grows with the way flown since the last loop.
 class LoopConsistency {
  public:
   enum class State { kPending, kImplausible, kAccepted };
@@ -87,11 +91,13 @@ class LoopConsistency {
   /// What all newest loops, believed or not, say about one.
   struct Evidence {
     std::vector<std::size_t> agreeing;  ///< entries of other current keyframes
-    int rivals = 0;                     ///< entries that contradict it
+    std::vector<std::size_t> rivals;    ///< entries that contradict it
     double span_m = 0;                  ///< [m] of the flight from the first to the last agreeing
   };
   Evidence Gather(const Entry& entry, const PoseGraph& graph) const;
   std::vector<Entry> Join(const PoseGraph& graph);
+  /// Entries that do not see the same two places as another of them.
+  int CountWitnesses(const std::vector<std::size_t>& entries, const PoseGraph& graph) const;
   std::vector<Entry> Judge(const PoseGraphLoop& loop, const PoseGraph& graph);
   /// Those of `entries` that most of the others do not contradict.
   std::vector<std::size_t> AgreeingAmongThemselves(const std::vector<std::size_t>& entries,

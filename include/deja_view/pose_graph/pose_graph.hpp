@@ -63,7 +63,8 @@ struct PoseGraphLoop {
   Rigid3 T_from_to;  ///< measured [m]
   Eigen::Matrix<double, 6, 6> covariance =
       Eigen::Matrix<double, 6, 6>::Identity();  ///< of (t, rotation vector) in frame `from`
-  double weight = 1.0;  ///< line process of the robust kernel after the last solve, in [0, 1]
+  double scene_depth = 5.0;  ///< [m] median distance of the points it rests on: the scene's scale
+  double weight = 1.0;       ///< line process of the robust kernel after the last solve, in [0, 1]
 };
 
 /// 4-DoF pose graph over keyframes: a chain of odometry edges per sequence, loops between any two

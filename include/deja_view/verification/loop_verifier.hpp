@@ -31,6 +31,10 @@ struct KeyframeFeatures {
   std::size_t MemoryBytes() const;
 };
 
+/// The scale of what a keyframe sees [m]: the median distance of its points from the camera; 0
+/// without points.
+double SceneDepth(const KeyframeFeatures& keyframe);
+
 /// A virtual camera in the rig of an old keyframe: `features.T_B_C` is T_B_V, its points are those
 /// keypoints whose depth is certain.
 struct RigCamera {
@@ -38,27 +42,26 @@ struct RigCamera {
   std::shared_ptr<const Camera> camera;
 };
 
-/// Gates for loops that the real image alone does not give. Inliers are counted once however many
-/// cameras of the rig show them.
+/// Gates for loops that the real image alone does not give. What several cameras of the rig show
+/// counts once.
 struct RigGates {
   /// Of all first matches that must agree in RANSAC, beside min_ransac_inliers: of the many matches
   /// of several images, more agree by chance.
   double min_ransac_ratio = 0.03;
-  int min_inliers = 30;
+  double max_log10_false_alarms = -3.0;
   double min_inlier_ratio = 0.25;  ///< of the current points that fall into any camera of the rig
-  int min_cells = 8;               ///< of an 8 x 6 grid on the current image
   double max_gravity_deg = 2.0;
-  double max_sigma_m = 0.1;
+  double max_sigma_over_depth = 0.02;  ///< of the position, over the scene's depth
 
   template <typename Visitor>
   void Visit(Visitor& v) {
     v("min_ransac_ratio", min_ransac_ratio);
-    v("min_inliers", min_inliers);
+    v("max_log10_false_alarms", max_log10_false_alarms);
     v("min_inlier_ratio", min_inlier_ratio);
-    v("min_cells", min_cells);
     v("max_gravity_deg", max_gravity_deg);
-    v("max_sigma_m", max_sigma_m);
+    v("max_sigma_over_depth", max_sigma_over_depth);
   }
+  std::vector<std::string> Validate() const;
 };
 
 struct LoopVerifierOptions {
@@ -66,21 +69,23 @@ struct LoopVerifierOptions {
   // First matching, over the whole image.
   int max_distance = 80;   ///< [bits] of 256
   double max_ratio = 0.9;  ///< nearest over second nearest distance
-  int min_matches = 10;
-  int min_ransac_inliers = 8;
+  int min_matches = 5;
+  int min_ransac_inliers = 5;
   // Guided matching around the reprojection.
-  double guided_radius_px = 12.0;  ///< around the first pose
-  double final_radius_px = 6.0;    ///< around the pose refined from these
-  int guided_max_distance = 80;    ///< [bits]
-  // Gates.
-  int min_inliers = 25;
-  double min_inlier_ratio = 0.2;  ///< of the points that fall into the other image
-  int min_cells = 6;              ///< of an 8 x 6 grid on each image that inliers must occupy
-  double max_distance_m = 6.0;
+  double predicted_radius_px = 32.0;  ///< around a predicted pose, tried where RANSAC's fails
+  double guided_radius_px = 12.0;     ///< around the first pose
+  double final_radius_px = 6.0;       ///< around the pose refined from these
+  int guided_max_distance = 80;       ///< [bits]
+  // Gates. Chance explains what a wrong pose finds, the ratio what a copy of a part of the scene
+  // shows: the rest of it is not where it should be.
+  double max_log10_false_alarms = -2.0;
+  double min_inlier_ratio = 0.2;          ///< of the points that fall into the other image
+  double max_distance_over_depth = 1.25;  ///< between the two bodies, over the scene's depth
   double max_yaw_deg = 90.0;
   double max_gravity_deg = 3.0;
-  double max_sigma_m = 0.1;  ///< largest standard deviation of the position
-  RigGates rig;              ///< in place of these where virtual views are needed
+  double max_sigma_over_depth =
+      0.02;      ///< largest standard deviation of the position, over the scene's depth
+  RigGates rig;  ///< in place of these where virtual views are needed
 
   template <typename Visitor>
   void Visit(Visitor& v) {
@@ -89,16 +94,16 @@ struct LoopVerifierOptions {
     v("max_ratio", max_ratio);
     v("min_matches", min_matches);
     v("min_ransac_inliers", min_ransac_inliers);
+    v("predicted_radius_px", predicted_radius_px);
     v("guided_radius_px", guided_radius_px);
     v("final_radius_px", final_radius_px);
     v("guided_max_distance", guided_max_distance);
-    v("min_inliers", min_inliers);
+    v("max_log10_false_alarms", max_log10_false_alarms);
     v("min_inlier_ratio", min_inlier_ratio);
-    v("min_cells", min_cells);
-    v("max_distance_m", max_distance_m);
+    v("max_distance_over_depth", max_distance_over_depth);
     v("max_yaw_deg", max_yaw_deg);
     v("max_gravity_deg", max_gravity_deg);
-    v("max_sigma_m", max_sigma_m);
+    v("max_sigma_over_depth", max_sigma_over_depth);
     v("rig", rig);
   }
   std::vector<std::string> Validate() const;
@@ -123,7 +128,7 @@ struct Agreement {
   int found = 0;    ///< of those, the ones that are
 };
 
-/// Outcome for one candidate pair; the pose is meaningful from kPoorSpread on.
+/// Outcome for one candidate pair; the pose is meaningful from kByChance on.
 struct Verification {
   RejectReason reason = RejectReason::kTooFewMatches;
   Rigid3 T_Bold_Bcurrent;
@@ -135,8 +140,11 @@ struct Verification {
   int visible = 0;  ///< points of either keyframe that fall into the other's image
   int found = 0;    ///< of those, the inliers; with a rig only current points, each once
   double rmse_px = 0;
-  double gravity_disagreement = 0;        ///< [rad] before VIO's tilt enters as a prior
-  int cells = 0;                          ///< the fewer of the two images' occupied cells
+  double gravity_disagreement = 0;  ///< [rad] before VIO's tilt enters as a prior
+  /// Of the expected number of poses, among all that were tried, that would find as much by chance:
+  /// see ChanceOfSupport.
+  double log10_false_alarms = 0;
+  double scene_depth = 0;                 ///< [m] median distance of the inliers' points
   std::vector<PointMatch> point_matches;  ///< inliers in the direction current point -> old image
   std::vector<PixelMatch> pixel_matches;  ///< all inliers
 };
@@ -151,10 +159,14 @@ class LoopVerifier {
   LoopVerifier(const LoopVerifierOptions& options, std::shared_ptr<const Camera> camera);
 
   /// `q_W_Bold`, `q_W_Bcurrent`: VIO's orientations, of which only roll and pitch are used.
+  /// `T_Bold_Bcurrent_predicted`, where something is known of it, is the guided matching's second
+  /// start: few matches over the whole image are right where the viewpoint differs much, more
+  /// within a window. Few poses are tried about it, so that fewer inliers are improbable.
   Verification Verify(const KeyframeFeatures& current,
                       const Eigen::Quaterniond& q_W_Bcurrent,
                       const KeyframeFeatures& old,
-                      const Eigen::Quaterniond& q_W_Bold) const;
+                      const Eigen::Quaterniond& q_W_Bold,
+                      const std::optional<Rigid3>& T_Bold_Bcurrent_predicted = {}) const;
 
   /// The same with `virtual_cameras` added to the old keyframe: one rigid rig, one generalised pose
   /// problem in which every camera's matches count alike. For pairs that the real image does not
@@ -164,7 +176,8 @@ class LoopVerifier {
                          const Eigen::Quaterniond& q_W_Bcurrent,
                          const KeyframeFeatures& old,
                          const Eigen::Quaterniond& q_W_Bold,
-                         const std::vector<RigCamera>& virtual_cameras) const;
+                         const std::vector<RigCamera>& virtual_cameras,
+                         const std::optional<Rigid3>& T_Bold_Bcurrent_predicted = {}) const;
 
   /// Looks for the points of a virtual camera in the real image of the same body, and the other way
   /// round.
@@ -191,7 +204,14 @@ class LoopVerifier {
   /// Pose from matches over whole images; sets `v->reason` where it returns nothing.
   RigGates GatesOf(const Pair& pair) const;
   std::optional<Rigid3> FirstPose(const Pair& pair, Verification* v) const;
-  Verification Solve(const Pair& pair) const;
+  /// Guided matching from a first pose, for which `log10_tests` poses were tried, through all
+  /// gates.
+  void SolveFrom(const Rigid3& first,
+                 const std::vector<double>& radii_px,
+                 double log10_tests,
+                 const Pair& pair,
+                 Verification* v) const;
+  Verification Solve(const Pair& pair, const std::optional<Rigid3>& predicted) const;
   void Summarise(const Pair& pair,
                  const Problem& problem,
                  const RefinedPose& pose,
@@ -200,6 +220,10 @@ class LoopVerifier {
                  const Problem& problem,
                  const RefinedPose& pose,
                  Verification* v) const;
+  double Log10FalseAlarms(const Pair& pair,
+                          const Problem& problem,
+                          const RefinedPose& pose,
+                          double log10_tests) const;
   RejectReason Gate(const Verification& v, const RigGates& gates) const;
 
   LoopVerifierOptions options_;

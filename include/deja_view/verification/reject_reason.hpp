@@ -11,8 +11,8 @@ enum class RejectReason {
   kTooFewPoints,    ///< the keyframes bring too few tracked points to solve a pose
   kTooFewMatches,   ///< descriptor matches
   kTooFewInliers,   ///< of the robust pose
+  kByChance,        ///< a wrong pose may well find as many, spread as they are
   kLowInlierRatio,  ///< too few of the points that should be visible were found
-  kPoorSpread,      ///< inliers crowd in one part of an image
   kTooFar,          ///< distance between the two bodies
   kTooMuchYaw,      ///< angle between the two headings
   kGravity,         ///< roll or pitch disagree with the VIO's

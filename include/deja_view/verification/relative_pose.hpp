@@ -3,6 +3,7 @@
 #include "deja_view/geometry/rigid3.hpp"
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -60,6 +61,7 @@ struct RelativePoseOptions {
     v("confidence", confidence);
     v("seed", seed);
   }
+  std::vector<std::string> Validate() const;
 };
 
 /// Level frames of the two bodies: R_G_O and R_G_U without yaw (VIO's roll and pitch).

@@ -102,7 +102,7 @@ TEST(LoopBook, TellsWhyALoopIsNotBelieved) {
 TEST(LoopBook, TellsThatWorldsWereJoined) {
   PoseGraph graph = MakeGraph(true);
   LoopConsistencyOptions options;
-  options.min_span_m = 2.0;
+  options.min_span_over_depth = 0.4;
   LoopBook book(options);
   for (const int i : {3, 5, 7, 9}) {
     EXPECT_FALSE(book.Enter(Loop(i), &graph).joins);

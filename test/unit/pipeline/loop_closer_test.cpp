@@ -298,14 +298,14 @@ TEST(LoopCloser, NamesInvalidOptionsAndAWrongVocabulary) {
   LoopCloserOptions options;
   options.candidates.min_age_s = 0;
   options.solve.every_loops = 0;
-  options.verification.min_inliers = 0;
+  options.verification.min_matches = 0;
   try {
     LoopCloser(options, flight.camera, flight.T_B_C, FlightVocabulary());
     FAIL() << "no exception";
   } catch (const InputError& e) {
     const std::string what = e.what();
     for (const char* key :
-         {"candidates.min_age_s", "solve.every_loops", "verification.min_inliers"}) {
+         {"candidates.min_age_s", "solve.every_loops", "verification.min_matches"}) {
       EXPECT_NE(what.find(key), std::string::npos) << what;
     }
   }

@@ -290,10 +290,9 @@ LoopCloserOptions OnlyViewsOptions() {
   LoopCloserOptions options = FlightOptions();
   options.consistency.min_support = 0;
   options.consistency.min_support_join = 0;
-  options.consistency.min_span_m = 0;
+  options.consistency.min_span_over_depth = 0;
   options.candidates.min_age_s = 0.1;
-  options.verification.min_inliers = 100000;
-  options.verification.rig.min_inliers = 20;
+  options.verification.max_log10_false_alarms = -400;
   return options;
 }
 

@@ -88,7 +88,7 @@ TEST(LoopConsistency, WithoutMinSupportEveryPlausibleLoopIsBelieved) {
 TEST(LoopConsistency, RefusesLoopsThatContradictAcceptedOnes) {
   PoseGraph graph = MakeGraph();
   LoopConsistencyOptions options;
-  options.plausible_m = 100;
+  options.plausible_over_depth = 20;
   LoopConsistency consistency(options);
   ASSERT_EQ(AddTrueLoops({3, 5, 7, 9}, &consistency, &graph).size(), 4U);
   const Rigid3 error{Eigen::Quaterniond::Identity(), {1.5, 0.4, 0}};
@@ -112,8 +112,6 @@ TEST(LoopConsistency, ALoopThatFitsNothingIsRefusedAndHoldsUpNothing) {
 State StateAfterLoops(const Rigid3& jump, int count) {
   PoseGraph graph = MakeGraph(jump, 30);
   LoopConsistencyOptions options;
-  options.override_support = 5;
-  options.min_span_m = 1.0;
   LoopConsistency consistency(options);
   State state = State::kPending;
   for (int i = 0; i < count; ++i) {
@@ -122,16 +120,15 @@ State StateAfterLoops(const Rigid3& jump, int count) {
   return state;
 }
 
-TEST(LoopConsistency, ImplausibleDriftNeedsVeryManyLoops) {
+TEST(LoopConsistency, ImplausibleDriftStaysOutHoweverManyLoopsClaimIt) {
   const Rigid3 small{Eigen::Quaterniond::Identity(), {0, 0.3, 0}};
   const Rigid3 far{Eigen::Quaterniond::Identity(), {0, 2.5, 0}};
   EXPECT_EQ(StateAfterLoops(small, 3), State::kAccepted);
   EXPECT_EQ(StateAfterLoops(far, 3), State::kImplausible);
-  EXPECT_EQ(StateAfterLoops(far, 5), State::kImplausible);
-  EXPECT_EQ(StateAfterLoops(far, 6), State::kAccepted);
+  EXPECT_EQ(StateAfterLoops(far, 30), State::kImplausible);
 }
 
-TEST(LoopConsistency, ImplausibleYawNeedsVeryManyLoops) {
+TEST(LoopConsistency, ImplausibleYawStaysOutHoweverManyLoopsClaimIt) {
   // Turned about the drone, so that nearly nothing but yaw is wrong.
   const auto turn = [](double degrees) {
     const Rigid3 T{FromYaw(degrees * kDegree), Eigen::Vector3d::Zero()};
@@ -139,7 +136,7 @@ TEST(LoopConsistency, ImplausibleYawNeedsVeryManyLoops) {
   };
   EXPECT_EQ(StateAfterLoops(turn(3), 3), State::kAccepted);
   EXPECT_EQ(StateAfterLoops(turn(12), 3), State::kImplausible);
-  EXPECT_EQ(StateAfterLoops(turn(12), 6), State::kAccepted);
+  EXPECT_EQ(StateAfterLoops(turn(12), 30), State::kImplausible);
 }
 
 /// Two worlds of one round each.
@@ -156,7 +153,7 @@ PoseGraph MakeTwoWorlds(bool is_map = false) {
 TEST(LoopConsistency, JoiningTwoWorldsNeedsMoreSupport) {
   PoseGraph graph = MakeTwoWorlds();
   LoopConsistencyOptions options;
-  options.min_span_m = 2.0;
+  options.min_span_over_depth = 0.4;
   LoopConsistency consistency(options);
   EXPECT_TRUE(AddTrueLoops({3, 5, 7, 9}, &consistency, &graph).empty());
   EXPECT_EQ(AddTrueLoops({11}, &consistency, &graph), std::vector<int>({3, 5, 7, 9, 11}));
@@ -166,7 +163,7 @@ TEST(LoopConsistency, JoiningTwoWorldsNeedsMoreSupport) {
 TEST(LoopConsistency, LoopsThatJoinMustSpread) {
   PoseGraph graph = MakeTwoWorlds();
   LoopConsistencyOptions options;
-  options.min_span_m = 4.0;  // 13 poses
+  options.min_span_over_depth = 0.8;  // 4 m: 13 poses
   LoopConsistency consistency(options);
   EXPECT_TRUE(AddTrueLoops({3, 4, 5, 6, 7, 8, 9, 10}, &consistency, &graph).empty());
   EXPECT_EQ(AddTrueLoops({17}, &consistency, &graph).size(), 9U);
@@ -177,7 +174,7 @@ TEST(LoopConsistency, LoopsThatJoinMustHaveFewRivals) {
   for (const int rivals : {3, 4}) {
     PoseGraph graph = MakeTwoWorlds();
     LoopConsistencyOptions options;
-    options.min_span_m = 2.0;
+    options.min_span_over_depth = 0.4;
     LoopConsistency consistency(options);
     for (int i = 0; i < rivals; ++i) {
       EXPECT_TRUE(
@@ -193,7 +190,7 @@ TEST(LoopConsistency, LoopsThatJoinMustAgreeAmongThemselves) {
   for (const bool is_wrong : {false, true}) {
     PoseGraph graph = MakeTwoWorlds();
     LoopConsistencyOptions options;
-    options.min_span_m = 3.2;  // the uncertain loop reaches it
+    options.min_span_over_depth = 0.64;  // 3.2 m: the uncertain loop reaches it
     LoopConsistency consistency(options);
     const Rigid3 error{Eigen::Quaterniond::Identity(), {is_wrong ? 0.6 : 0.0, 0, 0}};
     EXPECT_TRUE(consistency.Add(WrongLoop(3, 3 + kPerRound, error), 100, graph).believed.empty());
@@ -211,9 +208,55 @@ TEST(LoopConsistency, LoopsThatJoinMustAgreeAmongThemselves) {
   }
 }
 
+/// The drone hovers: twelve loops between the same two places say it once.
+TEST(LoopConsistency, LoopsOfTheSameTwoPlacesAreOneWitness) {
+  for (const double step_m : {0.02, 0.5}) {
+    PoseGraph graph{PoseGraphOptions{}};
+    const auto pose = [&](int i) {
+      return Rigid3{FromYaw(0), {0.5 * (i / 13) + step_m * (i % 13), 0, 0}};
+    };
+    for (int i = 0; i < 26; ++i) {
+      graph.AddNode(0, pose(i));
+    }
+    for (int i = 0; i < 26; ++i) {
+      graph.AddNode(1, pose(i));
+    }
+    LoopConsistencyOptions options;
+    options.min_span_over_depth = 0;
+    LoopConsistency consistency(options);
+    std::size_t believed = 0;
+    for (int i = 0; i < 6; ++i) {
+      PoseGraphLoop loop = TrueLoop(0, 1);
+      loop.from = i;
+      loop.to = 26 + i;
+      loop.T_from_to = Rigid3::Identity();
+      loop.scene_depth = 10;  // 0.2 m are the same place
+      believed += consistency.Add(loop, i, graph).believed.size();
+    }
+    EXPECT_EQ(believed > 0, step_m > 0.1) << step_m;
+  }
+}
+
+/// What is a long way for a small room is none in a hall.
+TEST(LoopConsistency, SpansAreMeasuredByTheScenesDepth) {
+  for (const double depth : {2.0, 5.0}) {
+    PoseGraph graph = MakeTwoWorlds();
+    LoopConsistencyOptions options;
+    options.min_span_over_depth = 0.6;
+    LoopConsistency consistency(options);
+    std::size_t believed = 0;
+    for (const int i : {3, 4, 5, 6, 7, 8, 9}) {  // 1.9 m
+      PoseGraphLoop loop = TrueLoop(i, i + kPerRound);
+      loop.scene_depth = depth;
+      believed += consistency.Add(loop, i, graph).believed.size();
+    }
+    EXPECT_EQ(believed, depth < 3 ? 7U : 0U);
+  }
+}
+
 TEST(LoopConsistency, AMapsKeyframesAreAsFarApartAsItSays) {
   LoopConsistencyOptions options;
-  options.max_path_m = 5;
+  options.max_path_over_depth = 1;
   const LoopConsistency consistency(options);
   // 25 poses, 7.9 m of path, yet 3.7 m apart.
   const auto compare = [&](const PoseGraph& graph) {
@@ -238,7 +281,7 @@ TEST(LoopConsistency, ComparesOnlyOverShortOdometryOfTheSameSequences) {
     graph.AddNode(i / 100, Truth(i));
   }
   LoopConsistencyOptions options;
-  options.max_path_m = 5;
+  options.max_path_over_depth = 1;
   const LoopConsistency consistency(options);
   const auto compare = [&](int from_a, int to_a, int from_b, int to_b) {
     return consistency.Compare(TrueLoop(from_a, to_a), TrueLoop(from_b, to_b), graph);
@@ -270,20 +313,20 @@ TEST(LoopConsistencyOptions, ListsAllViolations) {
   options.min_support_join = -1;
   options.max_support_ratio = -1;
   options.window = 0;
-  options.max_path_m = 0;
+  options.max_path_over_depth = 0;
   options.max_sigmas = 0;
-  options.plausible_m = 0;
+  options.plausible_over_depth = 0;
   options.plausible_m_per_m = -1;
   options.plausible_yaw_deg = 0;
   options.plausible_yaw_deg_per_m = -1;
-  options.override_support = 0;
-  options.min_span_m = -1;
+  options.min_span_over_depth = -1;
+  options.same_place_over_depth = -1;
   options.max_rival_ratio = -1;
   options.span_window = 0;
   const auto errors = options.Validate();
   ASSERT_EQ(errors.size(), 14U);
-  EXPECT_EQ(errors.front(), "min_support must not be negative");
-  EXPECT_EQ(errors.back(), "override_support must be at least 1");
+  EXPECT_EQ(errors.front(), "min_support: -1, expected at least 0");
+  EXPECT_EQ(errors.back(), "plausible_yaw_deg_per_m: -1, expected at least 0");
 }
 
 }  // namespace

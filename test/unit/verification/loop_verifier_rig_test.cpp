@@ -107,27 +107,24 @@ TEST(LoopVerifierRig, HasGatesOfItsOwn) {
   const RigScene scene = MakeRigScene();
   const Verification v = VerifyRig(scene, {scene.view});
   LoopVerifierOptions options;
-  options.min_inliers = v.inliers + 1;  // not the rig's
+  options.max_log10_false_alarms = -400;  // not the rig's
   EXPECT_EQ(VerifyRig(scene, {scene.view}, options).reason, RejectReason::kNone);
-  options.rig.min_inliers = v.inliers + 1;
-  EXPECT_EQ(VerifyRig(scene, {scene.view}, options).reason, RejectReason::kTooFewInliers);
+  options.rig.max_log10_false_alarms = v.log10_false_alarms - 0.1;
+  EXPECT_EQ(VerifyRig(scene, {scene.view}, options).reason, RejectReason::kByChance);
   options = {};
   options.rig.min_inlier_ratio = 1.0;
   EXPECT_EQ(VerifyRig(scene, {scene.view}, options).reason, RejectReason::kLowInlierRatio);
   options = {};
-  options.rig.min_cells = 48;
-  EXPECT_EQ(VerifyRig(scene, {scene.view}, options).reason, RejectReason::kPoorSpread);
-  options = {};
   options.rig.max_gravity_deg = 1e-6;
   EXPECT_EQ(VerifyRig(scene, {scene.view}, options).reason, RejectReason::kGravity);
   options = {};
-  options.rig.max_sigma_m = 1e-6;
+  options.rig.max_sigma_over_depth = 1e-6;
   EXPECT_EQ(VerifyRig(scene, {scene.view}, options).reason, RejectReason::kUncertain);
   options = {};
   options.rig.min_ransac_ratio = (v.ransac_inliers + 1.0) / v.matches;
   EXPECT_EQ(VerifyRig(scene, {scene.view}, options).reason, RejectReason::kTooFewInliers);
-  options.rig = {2.0, 0, 2.0, 0, 0, 0};
-  EXPECT_EQ(options.Validate().size(), 6U);
+  options.rig = {2.0, 0, 2.0, 0, 0};
+  EXPECT_EQ(options.Validate().size(), 5U);
 }
 
 TEST(LoopVerifierRig, RejectsViewsOfAnotherPlace) {

@@ -45,7 +45,8 @@ TEST(LoopVerifier, FindsTheRelativePose) {
     EXPECT_GT(v.inliers, 150);
     EXPECT_LE(v.inliers, v.guided);
     EXPECT_LE(v.guided, v.visible);
-    EXPECT_GT(v.cells, 15);
+    EXPECT_LT(v.log10_false_alarms, -20);
+    EXPECT_NEAR(v.scene_depth, SceneDepth(pair.old.features), 0.2 * v.scene_depth);
     EXPECT_LT(v.rmse_px, 4.0);
     EXPECT_LT(v.gravity_disagreement, 0.5 * kDegree);
   }
@@ -123,7 +124,6 @@ TEST(LoopVerifier, RejectsWhenMostVisiblePointsLookDifferent) {
   options.recognised = 22;
   options.tracked = 150;
   const Verification v = Verify(MakeKeyframePair(options));
-  EXPECT_GE(v.inliers, 25);
   EXPECT_LT(v.inliers, 0.2 * v.visible);
   EXPECT_EQ(v.reason, RejectReason::kLowInlierRatio);
 }
@@ -133,8 +133,42 @@ TEST(LoopVerifier, RejectsInliersThatCrowd) {
   options.room = 0.1;
   const Verification v = Verify(MakeKeyframePair(options));
   EXPECT_GE(v.inliers, 25);
-  EXPECT_LT(v.cells, 6);
-  EXPECT_EQ(v.reason, RejectReason::kPoorSpread);
+  EXPECT_EQ(v.reason, RejectReason::kByChance);
+}
+
+TEST(LoopVerifier, AcceptsFewInliersThatSpread) {
+  KeyframePairOptions options;
+  options.tracked = 12;
+  const KeyframePair pair = MakeKeyframePair(options);
+  const Verification v = Verify(pair);
+  ExpectRightPose(pair, v);
+  EXPECT_LT(v.inliers, 25);
+}
+
+/// So few points are alike that no two matches over the whole image agree by more than chance.
+TEST(LoopVerifier, APredictedPoseFindsWhatTheWholeImageHides) {
+  KeyframePairOptions few;
+  few.descriptor_noise = 45;
+  LoopVerifierOptions options;
+  options.max_distance = 40;  // bits: over the whole image, hardly a right match passes
+  options.min_inlier_ratio = 0.1;
+  const KeyframePair pair = MakeKeyframePair(few);
+  ASSERT_NE(Verify(pair, options).reason, RejectReason::kNone);
+  const auto verify = [&](const Rigid3& predicted) {
+    return LoopVerifier(options, pair.camera)
+        .Verify(pair.current.features,
+                pair.current.T_W_B.q,
+                pair.old.features,
+                pair.old.T_W_B.q,
+                predicted);
+  };
+  Rigid3 near = pair.T_old_current();
+  near.t += Eigen::Vector3d(0.05, -0.05, 0.03);
+  ExpectRightPose(pair, verify(near));
+  near.t += Eigen::Vector3d(0, 2, 0);
+  EXPECT_NE(verify(near).reason, RejectReason::kNone);
+  options.predicted_radius_px = 0;
+  EXPECT_NE(verify(pair.T_old_current()).reason, RejectReason::kNone);
 }
 
 TEST(LoopVerifier, RejectsATiltThatTheVioDoesNotShow) {
@@ -174,24 +208,21 @@ INSTANTIATE_TEST_SUITE_P(
                     GateCase{"RansacInliers",
                              RejectReason::kTooFewInliers,
                              [](LoopVerifierOptions* o) { o->min_ransac_inliers = 1000; }},
-                    GateCase{"Inliers",
-                             RejectReason::kTooFewInliers,
-                             [](LoopVerifierOptions* o) { o->min_inliers = 1000; }},
+                    GateCase{"Chance",
+                             RejectReason::kByChance,
+                             [](LoopVerifierOptions* o) { o->max_log10_false_alarms = -400; }},
                     GateCase{"Ratio",
                              RejectReason::kLowInlierRatio,
                              [](LoopVerifierOptions* o) { o->min_inlier_ratio = 1.0; }},
-                    GateCase{"Spread",
-                             RejectReason::kPoorSpread,
-                             [](LoopVerifierOptions* o) { o->min_cells = 48; }},
                     GateCase{"Far",
                              RejectReason::kTooFar,
-                             [](LoopVerifierOptions* o) { o->max_distance_m = 0.5; }},
+                             [](LoopVerifierOptions* o) { o->max_distance_over_depth = 0.05; }},
                     GateCase{"Yaw",
                              RejectReason::kTooMuchYaw,
                              [](LoopVerifierOptions* o) { o->max_yaw_deg = 12.0; }},
                     GateCase{"Uncertain",
                              RejectReason::kUncertain,
-                             [](LoopVerifierOptions* o) { o->max_sigma_m = 1e-4; }}),
+                             [](LoopVerifierOptions* o) { o->max_sigma_over_depth = 1e-5; }}),
     [](const auto& gate) { return std::string(gate.param.name); });
 
 TEST(LoopVerifier, NeedsACameraAndSomethingToCompare) {
@@ -208,14 +239,13 @@ TEST(LoopVerifierOptions, ListsAllViolations) {
   LoopVerifierOptions options;
   options.max_distance = 257;
   options.max_ratio = 0;
-  options.min_inliers = 3;
-  options.min_cells = 49;
-  options.max_sigma_m = 0;
+  options.max_log10_false_alarms = 0;
+  options.max_sigma_over_depth = 0;
   options.pose.confidence = 1;
   const auto errors = options.Validate();
-  ASSERT_EQ(errors.size(), 6U);
-  EXPECT_EQ(errors[0], "max_distance must be in 1..256");
-  EXPECT_EQ(errors[5], "pose.confidence must be in (0, 1)");
+  ASSERT_EQ(errors.size(), 5U);
+  EXPECT_EQ(errors[0], "max_distance: 257, expected 1 to 256");
+  EXPECT_EQ(errors[4], "pose.confidence: 1, expected more than 0, less than 1");
 }
 
 TEST(KeyframeFeatures, CountsItsMemory) {

@@ -1,0 +1,77 @@
+#include "chance_of_support.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace deja_view {
+
+ChanceOfSupport::ChanceOfSupport(int width, int height)
+    : width_(width),
+      height_(height),
+      chance_of_none_(static_cast<std::size_t>(kColumns) * kRows, 1.0),
+      is_found_(chance_of_none_.size(), false) {}
+
+std::size_t ChanceOfSupport::CellOf(const Eigen::Vector2f& pixel) const {
+  const int x = std::clamp(static_cast<int>(pixel.x()) * kColumns / width_, 0, kColumns - 1);
+  const int y = std::clamp(static_cast<int>(pixel.y()) * kRows / height_, 0, kRows - 1);
+  return static_cast<std::size_t>(y * kColumns + x);
+}
+
+void ChanceOfSupport::AddVisible(const Eigen::Vector2f& pixel, double probability) {
+  chance_of_none_[CellOf(pixel)] *= 1.0 - probability;
+}
+
+void ChanceOfSupport::AddFound(const Eigen::Vector2f& pixel) {
+  is_found_[CellOf(pixel)] = true;
+}
+
+double ChanceOfSupport::Log10Probability(int spent) const {
+  constexpr double kLeast = 1e-3;  // of a cell that is found though no point was predicted in it
+  std::vector<double> probabilities;
+  int found = 0;
+  for (std::size_t i = 0; i < chance_of_none_.size(); ++i) {
+    if (chance_of_none_[i] < 1.0 || is_found_[i]) {
+      probabilities.push_back(std::max(kLeast, 1.0 - chance_of_none_[i]));
+      found += is_found_[i] ? 1 : 0;
+    }
+  }
+  return Log10UpperTail(probabilities, found - spent);
+}
+
+double ChanceOfMatch(const Descriptor& point,
+                     const std::vector<Descriptor>& keypoints,
+                     int max_distance,
+                     double near) {
+  constexpr std::size_t kSample = 128;
+  const std::size_t step = std::max<std::size_t>(1, keypoints.size() / kSample);
+  int tried = 0;
+  int alike = 0;
+  for (std::size_t i = 0; i < keypoints.size(); i += step) {
+    ++tried;
+    alike += HammingDistance(point, keypoints[i]) <= max_distance ? 1 : 0;
+  }
+  // Krichevsky and Trofimov's estimate: never 0 of a finite sample.
+  const double share = (alike + 0.5) / (tried + 1.0);
+  return 1.0 - std::pow(1.0 - share, near);
+}
+
+double Log10UpperTail(const std::vector<double>& probabilities, int successes) {
+  constexpr double kSmallest = 1e-300;
+  if (successes <= 0) {
+    return 0.0;
+  }
+  // counts[k]: probability of k < successes so far; what reaches `successes` stays there.
+  std::vector<double> counts(static_cast<std::size_t>(successes), 0.0);
+  counts[0] = 1.0;
+  double tail = 0.0;
+  for (const double p : probabilities) {
+    tail += p * counts.back();
+    for (std::size_t k = counts.size() - 1; k > 0; --k) {
+      counts[k] += p * (counts[k - 1] - counts[k]);
+    }
+    counts[0] *= 1.0 - p;
+  }
+  return std::log10(std::max(kSmallest, tail));
+}
+
+}  // namespace deja_view
