@@ -3,7 +3,6 @@
 #include "deja_view/base/check.hpp"
 
 #include <algorithm>
-#include <exception>
 
 namespace deja_view {
 namespace {
@@ -19,7 +18,13 @@ LoopFusion::LoopFusion(const LoopFusionOptions& options,
       callbacks_(std::move(callbacks)),
       assembler_(
           options.assembler,
-          [this](AssembledKeyframe keyframe) { Enqueue(std::move(keyframe)); },
+          [this](AssembledKeyframe keyframe) {
+            if (keyframe.is_restart) {
+              Tell(fmt::format("the VIO started anew before stamp {} ns: a new sequence",
+                               keyframe.stamp_ns));
+            }
+            Enqueue(std::move(keyframe));
+          },
           [this](DropReason reason, std::int64_t stamp_ns) {
             Tell(fmt::format("message of stamp {} ns: {}", stamp_ns, EnumToString(reason)));
           }),
@@ -66,9 +71,9 @@ int LoopFusion::Stop(std::chrono::duration<double> drain) {
   return static_cast<int>(left);
 }
 
-void LoopFusion::AddImage(std::int64_t stamp_ns, ImageSource image) {
+void LoopFusion::AddImage(std::int64_t stamp_ns, ImageSource image, std::size_t bytes) {
   const std::lock_guard<std::mutex> lock(assembler_mutex_);
-  assembler_.AddImage(stamp_ns, std::move(image));
+  assembler_.AddImage(stamp_ns, std::move(image), bytes);
 }
 
 void LoopFusion::AddPose(std::int64_t stamp_ns, const Rigid3& T_W_B) {
@@ -105,6 +110,7 @@ LoopFusionStatistics LoopFusion::statistics() const {
     const std::lock_guard<std::mutex> lock(statistics_mutex_);
     statistics = statistics_;
   }
+  statistics.refused = errors_.bad_inputs();
   {
     const std::lock_guard<std::mutex> lock(assembler_mutex_);
     statistics.assembler = assembler_.counts();
@@ -168,14 +174,9 @@ std::optional<LoopFusion::Task> LoopFusion::NextTask() {
 
 void LoopFusion::Work() {
   while (const std::optional<Task> task = NextTask()) {
-    try {
-      std::visit([this](const auto& content) { Process(content); }, *task);
-    } catch (const std::exception& e) {
-      {
-        const std::lock_guard<std::mutex> lock(statistics_mutex_);
-        ++statistics_.refused;
-      }
-      Tell(e.what());
+    errors_.Guard([&] { std::visit([this](const auto& content) { Process(content); }, *task); });
+    if (errors_.has_failed()) {
+      return;
     }
   }
 }

@@ -1,8 +1,10 @@
 #include "deja_view/fusion/result_files.hpp"
 
 #include "deja_view/base/atomic_file.hpp"
+#include "deja_view/base/check.hpp"
 #include "deja_view/io/tum.hpp"
 
+#include <fstream>
 #include <ostream>
 
 #include <fmt/format.h>
@@ -80,6 +82,16 @@ void WriteResultFiles(const std::filesystem::path& directory,
                       [&loops](std::ostream& out) { WriteLoops(out, loops); });
   WriteFileAtomically(directory / "matches.csv",
                       [&matches](std::ostream& out) { WriteMatches(out, matches); });
+}
+
+void CheckWritable(const std::filesystem::path& directory) {
+  std::error_code error;
+  std::filesystem::create_directories(directory, error);
+  const std::filesystem::path probe = directory / ".deja_view_probe";
+  if (!std::ofstream(probe)) {
+    ThrowInputError("{}: files can't be written there", directory.string());
+  }
+  std::filesystem::remove(probe, error);
 }
 
 }  // namespace deja_view

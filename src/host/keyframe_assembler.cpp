@@ -1,7 +1,6 @@
 #include "deja_view/host/keyframe_assembler.hpp"
 
 #include "deja_view/base/check.hpp"
-#include "deja_view/base/requirements.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -30,18 +29,6 @@ bool FollowsWithinStretch(std::int64_t later, std::int64_t earlier) {
 }
 
 }  // namespace
-
-std::vector<std::string> KeyframeAssemblerOptions::Validate() const {
-  Requirements r;
-  const auto is_duration = [](double seconds) { return seconds > 0 && seconds <= 3600; };
-  r.That(max_images >= 1, "max_images", max_images, "at least 1");
-  r.That(is_duration(image_window_s), "image_window_s", image_window_s, "0 to 3600 s");
-  r.That(max_pending >= 1, "max_pending", max_pending, "at least 1");
-  r.That(is_duration(timeout_s), "timeout_s", timeout_s, "0 to 3600 s");
-  r.That(later_messages >= 1, "later_messages", later_messages, "at least 1");
-  r.That(is_duration(sequence_gap_s), "sequence_gap_s", sequence_gap_s, "0 to 3600 s");
-  return r.errors();
-}
 
 KeyframeInput AssembledKeyframe::ToInput() const {
   KeyframeInput input;
@@ -72,11 +59,10 @@ std::int64_t KeyframeAssembler::Key(std::int64_t stamp_ns) {
   return whole * kNanoseconds + rest;
 }
 
-void KeyframeAssembler::AddImage(std::int64_t stamp_ns, ImageSource image) {
+void KeyframeAssembler::AddImage(std::int64_t stamp_ns, ImageSource image, std::size_t bytes) {
   DEJA_VIEW_CHECK(image);
   ++counts_.images;
   const std::int64_t key = Key(stamp_ns);
-  const std::int64_t horizon = image_keys_.empty() ? key : std::min(key, image_keys_.back());
   NoteImageStamp(key);
   const bool is_held =
       std::any_of(images_.begin(), images_.end(), [key](const auto& i) { return i.key == key; });
@@ -88,18 +74,10 @@ void KeyframeAssembler::AddImage(std::int64_t stamp_ns, ImageSource image) {
   if (owner != nullptr) {
     owner->image = std::move(image);
   } else if (!IsHopeless(key)) {
-    images_.push_back({key, std::move(image)});
+    HoldImage({key, std::move(image), bytes});
   }
   for (Pending& pending : pending_) {
     pending.later_images += FollowsWithinStretch(key, pending.key) ? 1 : 0;
-  }
-  const std::int64_t window = ToNanoseconds(options_.image_window_s);
-  while (!images_.empty() && images_.front().key < horizon - window) {
-    images_.pop_front();
-  }
-  while (images_.size() > static_cast<std::size_t>(options_.max_images)) {
-    Drop(DropReason::kOverflow, images_.front().key);
-    images_.pop_front();
   }
   Settle();
 }
@@ -124,7 +102,7 @@ void KeyframeAssembler::AddPoints(std::int64_t stamp_ns, std::vector<TrackedPoin
   for (Pending& pending : pending_) {
     pending.later_points += FollowsWithinStretch(key, pending.key) ? 1 : 0;
   }
-  while (points_.size() > static_cast<std::size_t>(options_.max_images)) {
+  while (points_.size() > static_cast<std::size_t>(options_.max_pending)) {
     Drop(DropReason::kOverflow, points_.front().key);
     points_.pop_front();
   }
@@ -168,7 +146,7 @@ void KeyframeAssembler::AddPose(std::int64_t stamp_ns, const Rigid3& T_W_B) {
     } else {
       ResolveAll();
       pose_keys_.clear();
-      suspect_->starts_sequence = true;
+      suspect_->is_restart = true;
     }
     Push(std::move(*suspect_));
     suspect_.reset();
@@ -203,6 +181,7 @@ void KeyframeAssembler::Flush() {
   }
   points_.clear();
   images_.clear();
+  image_bytes_ = 0;
 }
 
 void KeyframeAssembler::Drop(DropReason reason, std::int64_t stamp_ns) {
@@ -280,6 +259,7 @@ void KeyframeAssembler::Push(Pending pending) {
   if (const auto image = std::find_if(images_.begin(), images_.end(), has_key);
       image != images_.end()) {
     pending.image = std::move(image->value);
+    image_bytes_ -= image->bytes;
     images_.erase(image);
   }
   if (const auto points = std::find_if(points_.begin(), points_.end(), has_key);
@@ -324,7 +304,7 @@ void KeyframeAssembler::Settle() {
 }
 
 void KeyframeAssembler::Resolve(Pending pending) {
-  starts_sequence_ = starts_sequence_ || pending.starts_sequence;
+  NoteRestart(pending);
   if (!pending.image) {
     Drop(DropReason::kMissingImage, pending.stamp_ns);
     return;
@@ -340,6 +320,7 @@ void KeyframeAssembler::Resolve(Pending pending) {
   }
   AssembledKeyframe keyframe;
   keyframe.starts_sequence = std::exchange(starts_sequence_, false);
+  keyframe.is_restart = std::exchange(is_restart_, false);
   keyframe.stamp_ns = pending.stamp_ns;
   keyframe.T_W_B = pending.T_W_B;
   keyframe.image = std::move(pending.image);
@@ -356,11 +337,39 @@ void KeyframeAssembler::ResolveAll() {
   }
 }
 
+// Also by a keyframe whose image is missing.
+void KeyframeAssembler::NoteRestart(const Pending& pending) {
+  if (pending.is_restart) {
+    restart_detector_.Reset();
+  }
+  const bool is_found =
+      pending.points && restart_detector_.Add(pending.stamp_ns, pending.T_W_B, *pending.points);
+  if (pending.is_restart || is_found) {
+    ++counts_.restarts;
+    starts_sequence_ = true;
+    is_restart_ = true;
+  }
+}
+
+void KeyframeAssembler::HoldImage(HeldImage image) {
+  image_bytes_ += image.bytes;
+  images_.push_back(std::move(image));
+  while (static_cast<double>(image_bytes_) > 1e6 * options_.image_memory_mb) {
+    Drop(DropReason::kOverflow, images_.front().key);
+    image_bytes_ -= images_.front().bytes;
+    images_.pop_front();
+  }
+}
+
+// What came before an image that nobody will ask for is older still, or of a run that is over.
 void KeyframeAssembler::PruneImages() {
-  images_.erase(std::remove_if(images_.begin(),
-                               images_.end(),
-                               [this](const auto& image) { return IsHopeless(image.key); }),
-                images_.end());
+  const auto last = std::find_if(images_.rbegin(), images_.rend(), [this](const auto& image) {
+    return IsHopeless(image.key);
+  });
+  for (auto image = images_.begin(); image != last.base(); ++image) {
+    image_bytes_ -= image->bytes;
+  }
+  images_.erase(images_.begin(), last.base());
 }
 
 void KeyframeAssembler::PrunePoints() {

@@ -150,7 +150,8 @@ void FeedOne(Bytes* bytes, KeyframeAssembler* assembler) {
     }
     default: {
       const auto message = MakeImage(bytes);
-      assembler->AddImage(ToNanoseconds(message->header.stamp), FromImage(message, "image"));
+      assembler->AddImage(
+          ToNanoseconds(message->header.stamp), FromImage(message, "image"), message->data.size());
       break;
     }
   }
@@ -161,7 +162,7 @@ void FeedOne(Bytes* bytes, KeyframeAssembler* assembler) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   std::int64_t keyframes = 0;
   KeyframeAssemblerOptions options;
-  options.max_images = 6;
+  options.image_memory_mb = 1e-3;
   options.max_pending = 4;
   KeyframeAssembler assembler(
       options,

@@ -125,7 +125,8 @@ class LoopFusionTest(unittest.TestCase):
     def test_tf_has_the_drift(self):
         transforms = [t for m in self.outputs["/tf"] for t in m.transforms]
         self.assertEqual(
-            {(t.header.frame_id, t.child_frame_id) for t in transforms}, {("world", "vio")}
+            {(t.header.frame_id, t.child_frame_id) for t in transforms},
+            {("world", "vio"), ("world", "body_corrected")},
         )
         drift = self.outputs[NodeOutputs.DRIFT][-1].transform
         self.assertGreater(abs(drift.translation.x) + abs(drift.translation.y), 1e-4)

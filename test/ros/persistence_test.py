@@ -54,6 +54,34 @@ class PersistenceTest(unittest.TestCase):
         rospy.wait_for_service("/loop_fusion/" + service, 20.0)
         return rospy.ServiceProxy("/loop_fusion/" + service, NamedMap)(name)
 
+    def refusal(self, node, *arguments):
+        """What a node that can't start says on standard error."""
+        done = subprocess.run(
+            [find_node("deja_view", node)[0], "__name:=refused", *arguments],
+            stderr=subprocess.PIPE,
+            timeout=60,
+            check=False,
+        )
+        self.assertEqual(done.returncode, 1)
+        return done.stderr.decode()
+
+    def test_startup_errors_are_told(self):
+        camera = "_config_file:=" + os.path.join(rospy.get_param("~flight"), "camera.yaml")
+        vocabulary = "_vocabulary_file:=" + rospy.get_param("~vocabulary")
+        for told, node, arguments in (
+            ("config_file", "loop_fusion_node", []),
+            ("/nowhere.yaml", "loop_fusion_node", ["_config_file:=/nowhere.yaml", vocabulary]),
+            ("/nowhere.dvv", "loop_fusion_node", [camera, "_vocabulary_file:=/nowhere.dvv"]),
+            ("nomap", "loop_fusion_node", [camera, vocabulary, "_load_map_at_start:=nomap"]),
+            ("/dev/null/out: files can't be written there", "loop_fusion_node",
+             [camera, vocabulary, "_output_directory:=/dev/null/out"]),
+            ("/nowhere.yaml", "nerf_render_node", ["_config_file:=/nowhere.yaml"]),
+            ("nomodel", "nerf_render_node",
+             [camera, "_model_directory:=" + self.directory, "_model:=nomodel"]),
+        ):
+            rospy.delete_param("/refused") if rospy.has_param("/refused") else None
+            self.assertIn(told, self.refusal(node, *arguments))
+
     def test_save_kill_load_go_on(self):
         first, second = rospy.get_param("~flight"), rospy.get_param("~second_flight")
         flight = Flight(first)
@@ -67,6 +95,9 @@ class PersistenceTest(unittest.TestCase):
         for name in ("", "..", "../hall", "/tmp/hall", "a/b", ".hall"):
             self.assertFalse(self.call("save_map", name).success, name)
         self.assertFalse(self.call("load_map", "nowhere").success)
+        refused = self.call("load_map", "hall")
+        self.assertFalse(refused.success)
+        self.assertIn("load a map before the first one", refused.message)
         self.assertEqual(os.listdir(os.path.join(self.directory, "maps")), ["hall"])
         self.kill()
         keyframes = len(flight.keyframe_stamps())

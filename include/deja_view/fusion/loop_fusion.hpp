@@ -1,5 +1,6 @@
 #pragma once
 
+#include "deja_view/base/error_policy.hpp"
 #include "deja_view/fusion/loop_fusion_options.hpp"
 #include "deja_view/host/keyframe_assembler.hpp"
 #include "deja_view/host/odometry_input.hpp"
@@ -69,7 +70,8 @@ class LoopFusion {
   /// left.
   int Stop(std::chrono::duration<double> drain);
 
-  void AddImage(std::int64_t stamp_ns, ImageSource image);
+  /// `bytes` is what the source holds in memory.
+  void AddImage(std::int64_t stamp_ns, ImageSource image, std::size_t bytes);
   void AddPose(std::int64_t stamp_ns, const Rigid3& T_W_B);
   void AddPoints(std::int64_t stamp_ns, std::vector<TrackedPoint> points);
   void AddExtrinsic(std::int64_t stamp_ns, const Rigid3& T_B_C);
@@ -80,6 +82,9 @@ class LoopFusion {
   Rigid3 drift() const;
 
   LoopFusionStatistics statistics() const;
+
+  /// Of the worker: after a failure it processes nothing any more.
+  const ErrorPolicy& errors() const { return errors_; }
 
   /// Calls `use(LoopCloser&)` between two keyframes and returns what it returns.
   template <typename Use>
@@ -111,6 +116,7 @@ class LoopFusion {
 
   NodeOptions options_;
   LoopFusionCallbacks callbacks_;
+  ErrorPolicy errors_{[this](const std::string& what) { Tell(what); }};
 
   mutable std::mutex assembler_mutex_;
   KeyframeAssembler assembler_;

@@ -25,4 +25,8 @@ void WriteResultFiles(const std::filesystem::path& directory,
                       const std::vector<LoopReport>& loops,
                       const std::vector<LoopMatches>& matches = {});
 
+/// Makes the directory when it is missing. Throws InputError that names it unless files can be
+/// written there.
+void CheckWritable(const std::filesystem::path& directory);
+
 }  // namespace deja_view

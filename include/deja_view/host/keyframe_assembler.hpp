@@ -4,6 +4,7 @@
 #include "deja_view/geometry/rigid3.hpp"
 #include "deja_view/host/image_source.hpp"
 #include "deja_view/host/keyframe_input.hpp"
+#include "deja_view/host/restart_detector.hpp"
 
 #include <array>
 #include <cstdint>
@@ -18,12 +19,11 @@ namespace deja_view {
 
 /// Bounds of KeyframeAssembler.
 struct KeyframeAssemblerOptions {
-  /// Images held while their keyframe messages are on the way.
-  int max_images = 60;
-  /// An image older than this, against the newest images, is given up [s]. VINS-Mono sends a
-  /// keyframe 0.1 to 0.5 s after its image; a slow computer needs more.
-  double image_window_s = 2.0;
-  /// Keyframe poses held while their image or points are on the way.
+  /// Memory for images that are held while their keyframe messages are on the way [MB]. VINS-Mono
+  /// sends a keyframe 0.1 to 0.5 s after its image; a slow computer needs more.
+  double image_memory_mb = 300;
+  /// Keyframe poses held while their image or points are on the way, and points while their pose
+  /// is.
   int max_pending = 50;
   /// A topic that is silent for this long, against the newest poses, no longer holds up a keyframe
   /// [s].
@@ -40,8 +40,7 @@ struct KeyframeAssemblerOptions {
 
   template <typename Visitor>
   void Visit(Visitor& v) {
-    v("max_images", max_images);
-    v("image_window_s", image_window_s);
+    v("image_memory_mb", image_memory_mb);
     v("max_pending", max_pending);
     v("timeout_s", timeout_s);
     v("later_messages", later_messages);
@@ -54,6 +53,7 @@ struct AssembledKeyframe {
   std::int64_t stamp_ns = 0;         ///< as in the pose message
   Rigid3 T_W_B;                      ///< body pose in the VIO's world
   bool starts_sequence = false;      ///< after a pause of the image stream or a restart of the VIO
+  bool is_restart = false;           ///< the latter
   ImageSource image;                 ///< never empty
   std::vector<TrackedPoint> points;  ///< empty when the point message is missing
   std::optional<Rigid3> T_B_C;       ///< newest calibration up to this keyframe's stamp, if any
@@ -89,6 +89,7 @@ struct AssemblerCounts {
   std::int64_t poses = 0;      ///< received
   std::int64_t points = 0;     ///< received
   std::int64_t keyframes = 0;  ///< handed on, with or without points
+  std::int64_t restarts = 0;   ///< of the VIO
   std::int64_t missing_image = 0;
   std::int64_t missing_points = 0;
   std::int64_t duplicates = 0;
@@ -104,7 +105,8 @@ struct AssemblerCounts {
 /// messages of each topic, in that topic's own order, and not on how the topics interleave (within
 /// the bounds of the options): a bag read at full speed and the same bag played through topics give
 /// the same keyframes. Pose stamps that go back are taken for a restart of the VIO when two come in
-/// a row; a single one is dropped. Images that are no keyframe's are dropped without being decoded.
+/// a row; a single one is dropped. RestartDetector finds the restarts that the stamps do not tell.
+/// Images that are no keyframe's are dropped without being decoded.
 ///
 /// Stamps match when they are equal as double seconds: VIOs compute with those, so that the stamps
 /// they send may be rounded by up to 120 ns.
@@ -120,7 +122,8 @@ class KeyframeAssembler {
                     KeyframeCallback on_keyframe,
                     DropCallback on_drop);
 
-  void AddImage(std::int64_t stamp_ns, ImageSource image);
+  /// `bytes` is what the source holds in memory.
+  void AddImage(std::int64_t stamp_ns, ImageSource image, std::size_t bytes);
   void AddPose(std::int64_t stamp_ns, const Rigid3& T_W_B);
   void AddPoints(std::int64_t stamp_ns, std::vector<TrackedPoint> points);
   void AddExtrinsic(std::int64_t stamp_ns, const Rigid3& T_B_C);
@@ -139,11 +142,16 @@ class KeyframeAssembler {
     std::int64_t key = 0;
     T value;
   };
+  struct HeldImage {
+    std::int64_t key = 0;
+    ImageSource value;
+    std::size_t bytes = 0;
+  };
   struct Pending {
     std::int64_t key = 0;
     std::int64_t stamp_ns = 0;
     Rigid3 T_W_B;
-    bool starts_sequence = false;
+    bool is_restart = false;
     ImageSource image;
     std::optional<std::vector<TrackedPoint>> points;
     int later_images = 0;  ///< messages after this pose with later stamps
@@ -162,6 +170,8 @@ class KeyframeAssembler {
   void Settle();
   void Resolve(Pending pending);
   void ResolveAll();
+  void NoteRestart(const Pending& pending);
+  void HoldImage(HeldImage image);
   void PruneImages();
   void PrunePoints();
   std::optional<Rigid3> ExtrinsicFor(std::int64_t key) const;
@@ -171,7 +181,8 @@ class KeyframeAssembler {
   DropCallback on_drop_;
   AssemblerCounts counts_;
 
-  std::deque<Stamped<ImageSource>> images_;  ///< in order of arrival
+  std::deque<HeldImage> images_;  ///< in order of arrival
+  std::size_t image_bytes_ = 0;   ///< of these
   std::deque<Stamped<std::vector<TrackedPoint>>> points_;
   std::deque<Stamped<Rigid3>> extrinsics_;
   std::deque<Pending> pending_;
@@ -179,7 +190,9 @@ class KeyframeAssembler {
   std::deque<std::int64_t> pose_keys_;   ///< newest accepted poses
   std::deque<std::int64_t> image_keys_;  ///< last two images that came
   std::deque<std::int64_t> pauses_;      ///< first images after a pause
+  RestartDetector restart_detector_;
   bool starts_sequence_ = false;  ///< a keyframe that starts a sequence was lost: the next one does
+  bool is_restart_ = false;       ///< as well
 };
 
 }  // namespace deja_view

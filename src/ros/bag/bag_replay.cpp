@@ -100,13 +100,15 @@ class Replay {
       handlers_[topics_.image] = [this](const rosbag::MessageInstance& instance) {
         const auto message = Instantiate<sensor_msgs::Image>(instance);
         assembler_.AddImage(ToNanoseconds(message->header.stamp),
-                            FromImage(message, instance.getTopic()));
+                            FromImage(message, instance.getTopic()),
+                            message->data.size());
       };
     } else {
       handlers_[topics_.image] = [this](const rosbag::MessageInstance& instance) {
         const auto message = Instantiate<sensor_msgs::CompressedImage>(instance);
         assembler_.AddImage(ToNanoseconds(message->header.stamp),
-                            FromCompressedImage(message, instance.getTopic()));
+                            FromCompressedImage(message, instance.getTopic()),
+                            message->data.size());
       };
     }
   }

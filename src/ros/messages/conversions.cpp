@@ -169,6 +169,11 @@ geometry_msgs::Pose ToPose(const Rigid3& pose) {
   return message;
 }
 
+bool IsUninitialised(const nav_msgs::Odometry& message) {
+  const auto& q = message.pose.pose.orientation;
+  return q.x == 0 && q.y == 0 && q.z == 0 && q.w == 0;
+}
+
 StampedPose FromOdometry(const nav_msgs::Odometry& message, const std::string& topic) {
   return {ToNanoseconds(message.header.stamp), FromPose(message.pose.pose, topic)};
 }

@@ -40,6 +40,21 @@ std::int64_t NewestStamp(const std::vector<KeyframeInfo>& keyframes) {
   return keyframes.empty() ? 0 : keyframes.back().stamp_ns;
 }
 
+geometry_msgs::TransformStamped ToTransform(const Rigid3& T_parent_child,
+                                            std::int64_t stamp_ns,
+                                            const std::string& parent,
+                                            const std::string& child) {
+  geometry_msgs::TransformStamped message;
+  message.header.stamp = ToRosTime(stamp_ns);
+  message.header.frame_id = parent;
+  message.child_frame_id = child;
+  message.transform.translation.x = T_parent_child.t.x();
+  message.transform.translation.y = T_parent_child.t.y();
+  message.transform.translation.z = T_parent_child.t.z();
+  message.transform.rotation = ToPose(T_parent_child).orientation;
+  return message;
+}
+
 }  // namespace
 
 LoopConstraint ToLoopConstraint(const LoopReport& loop, const FrameNames& frames) {
@@ -69,15 +84,13 @@ LoopConstraint ToLoopConstraint(const LoopReport& loop, const FrameNames& frames
 geometry_msgs::TransformStamped ToDrift(const Rigid3& T_M_W,
                                         std::int64_t stamp_ns,
                                         const FrameNames& frames) {
-  geometry_msgs::TransformStamped message;
-  message.header.stamp = ToRosTime(stamp_ns);
-  message.header.frame_id = frames.map;
-  message.child_frame_id = frames.vio;
-  message.transform.translation.x = T_M_W.t.x();
-  message.transform.translation.y = T_M_W.t.y();
-  message.transform.translation.z = T_M_W.t.z();
-  message.transform.rotation = ToPose(T_M_W).orientation;
-  return message;
+  return ToTransform(T_M_W, stamp_ns, frames.map, frames.vio);
+}
+
+geometry_msgs::TransformStamped ToCorrectedBody(const Rigid3& T_M_B,
+                                                std::int64_t stamp_ns,
+                                                const FrameNames& frames) {
+  return ToTransform(T_M_B, stamp_ns, frames.map, frames.body_corrected);
 }
 
 nav_msgs::Odometry CorrectOdometry(const nav_msgs::Odometry& odometry,

@@ -3,12 +3,16 @@
 #include "deja_view/base/check.hpp"
 #include "deja_view/fusion/result_files.hpp"
 #include "deja_view/io/options_yaml.hpp"
+#include "deja_view/ros/nodes/answer_service.hpp"
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
 #include <ros/console.h>
 #include <ros/init.h>
+#include <ros/master.h>
+#include <ros/message_traits.h>
 
 namespace deja_view {
 namespace {
@@ -66,8 +70,12 @@ LoopCloser LoopFusionNode::MakeLoopCloser() const {
 }
 
 void LoopFusionNode::LoadAtStart() {
+  // Better now than after the flight.
   if (!parameters_.save_map_at_end.empty()) {
-    maps_.Resolve(parameters_.save_map_at_end);  // better now than after the flight
+    CheckWritable(maps_.Resolve(parameters_.save_map_at_end).parent_path());
+  }
+  if (!parameters_.output_directory.empty()) {
+    CheckWritable(parameters_.output_directory);
   }
   if (!parameters_.load_map_at_start.empty()) {
     Load(maps_.ResolveExisting(parameters_.load_map_at_start));
@@ -88,10 +96,12 @@ int LoopFusionNode::Run(const std::atomic<bool>& stop) {
   Subscribe();
   ROS_INFO("loop_fusion: waiting for images on %s", parameters_.topics.image.c_str());
   ros::CallbackQueue& queue = *ros::getGlobalCallbackQueue();
-  while (!stop && ros::ok()) {
+  while (!stop && ros::ok() && !HasFailed()) {
     queue.callAvailable(ros::WallDuration(0.1));
   }
   subscribers_.clear();
+  errors_.RethrowFailure();
+  fusion_->errors().RethrowFailure();
   const bool is_well = Finish();
   service_spinner_->stop();
   return is_well ? 0 : 1;
@@ -102,13 +112,18 @@ void LoopFusionNode::Advertise() {
   services_.push_back(service_handle_.advertiseService("load_map", &LoopFusionNode::LoadMap, this));
   timers_.push_back(service_handle_.createWallTimer(
       ros::WallDuration(1.0 / options_.node.path_rate_hz), &LoopFusionNode::PublishPaths, this));
+  watch_ = std::make_unique<TopicWatch>(NeededTopics(), ros::SteadyTime::now().toSec());
+  timers_.push_back(
+      service_handle_.createWallTimer(ros::WallDuration(1.0), &LoopFusionNode::WatchTopics, this));
   diagnosed_at_ = ros::WallTime::now();
   diagnostics_ = std::make_unique<diagnostic_updater::Updater>(service_handle_, private_handle_);
   diagnostics_->setHardwareID("none");
   diagnostics_->add("loop closing", this, &LoopFusionNode::Diagnose);
-  timers_.push_back(service_handle_.createWallTimer(
-      ros::WallDuration(1.0 / options_.node.diagnostics_rate_hz),
-      [this](const ros::WallTimerEvent&) { diagnostics_->force_update(); }));
+  timers_.push_back(
+      service_handle_.createWallTimer(ros::WallDuration(1.0 / options_.node.diagnostics_rate_hz),
+                                      [this](const ros::WallTimerEvent&) {
+                                        errors_.Guard([this] { diagnostics_->force_update(); });
+                                      }));
   service_spinner_ = std::make_unique<ros::AsyncSpinner>(1, &service_queue_);
   service_spinner_->start();
 }
@@ -119,13 +134,10 @@ void LoopFusionNode::SubscribeTo(
     std::uint32_t queue,
     void (LoopFusionNode::*handle)(const boost::shared_ptr<const Message>&)) {
   const boost::function<void(const boost::shared_ptr<const Message>&)> guarded =
-      [this, handle](const boost::shared_ptr<const Message>& message) {
-        try {
-          (this->*handle)(message);
-        } catch (const InputError& e) {
-          ++bad_messages_;
-          OnProblem(e.what());
-        }
+      [this, handle, name = handle_.resolveName(topic)](
+          const boost::shared_ptr<const Message>& message) {
+        watch_->Hear(name, ros::SteadyTime::now().toSec());
+        errors_.Guard([&] { (this->*handle)(message); });
       };
   subscribers_.push_back(handle_.subscribe<Message>(
       topic, queue, guarded, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
@@ -156,12 +168,14 @@ void LoopFusionNode::Subscribe() {
 
 void LoopFusionNode::OnImage(const sensor_msgs::ImageConstPtr& message) {
   fusion_->AddImage(ToNanoseconds(message->header.stamp),
-                    FromImage(message, parameters_.topics.image));
+                    FromImage(message, parameters_.topics.image),
+                    message->data.size());
 }
 
 void LoopFusionNode::OnCompressedImage(const sensor_msgs::CompressedImageConstPtr& message) {
   fusion_->AddImage(ToNanoseconds(message->header.stamp),
-                    FromCompressedImage(message, parameters_.topics.image));
+                    FromCompressedImage(message, parameters_.topics.image),
+                    message->data.size());
 }
 
 void LoopFusionNode::OnKeyframePose(const nav_msgs::OdometryConstPtr& message) {
@@ -180,11 +194,19 @@ void LoopFusionNode::OnExtrinsic(const nav_msgs::OdometryConstPtr& message) {
 }
 
 void LoopFusionNode::OnOdometry(const nav_msgs::OdometryConstPtr& message) {
+  if (IsUninitialised(*message)) {
+    ROS_INFO_ONCE("%s: the VIO is not initialised yet", parameters_.topics.odometry.c_str());
+    return;
+  }
   publisher_->PublishOdometry(
       *message, FromOdometry(*message, parameters_.topics.odometry), fusion_->drift());
 }
 
 void LoopFusionNode::OnImuPropagate(const nav_msgs::OdometryConstPtr& message) {
+  if (IsUninitialised(*message)) {
+    ROS_INFO_ONCE("%s: the VIO is not initialised yet", parameters_.topics.imu_propagate.c_str());
+    return;
+  }
   publisher_->PublishImuPropagate(
       *message, FromOdometry(*message, parameters_.topics.imu_propagate), fusion_->drift());
 }
@@ -202,37 +224,32 @@ void LoopFusionNode::OnVirtualFrame(const VirtualFrameConstPtr& message) {
 }
 
 bool LoopFusionNode::SaveMap(NamedMap::Request& request, NamedMap::Response& response) {
-  try {
+  return AnswerService("save_map", &errors_, &response, [&] {
     const auto path = maps_.Resolve(request.name);
-    response.message = fusion_->WithLoopCloser([&path](const LoopCloser& closer) {
+    return fusion_->WithLoopCloser([&path](const LoopCloser& closer) {
       closer.Save(path);
       return fmt::format("{}: {} keyframes", path.string(), closer.keyframe_count());
     });
-    response.success = 1;
-  } catch (const InputError& e) {
-    response.success = 0;
-    response.message = e.what();
-  }
-  ROS_INFO("save_map: %s", response.message.c_str());
-  return true;
+  });
 }
 
 bool LoopFusionNode::LoadMap(NamedMap::Request& request, NamedMap::Response& response) {
-  try {
+  return AnswerService("load_map", &errors_, &response, [&] {
     const auto path = maps_.ResolveExisting(request.name);
     Load(path);
-    response.success = 1;
-    response.message = path.string();
-  } catch (const InputError& e) {
-    response.success = 0;
-    response.message = e.what();
-    ROS_ERROR("load_map: %s", e.what());
-  }
-  return true;
+    return path.string();
+  });
 }
 
 void LoopFusionNode::Load(const std::filesystem::path& map) {
   const int keyframes = fusion_->WithLoopCloser([this, &map](LoopCloser& closer) {
+    if (const int flown = closer.keyframe_count() - first_own_keyframe_; flown > 0) {
+      ThrowInputError(
+          "{}: the flight has {} keyframes already, which loading would throw away: load a map "
+          "before the first one, or start with ~load_map_at_start",
+          map.string(),
+          flown);
+    }
     closer.Load(map);
     first_own_sequence_ = closer.sequence_count();
     first_own_keyframe_ = closer.keyframe_count();
@@ -242,18 +259,56 @@ void LoopFusionNode::Load(const std::filesystem::path& map) {
 }
 
 void LoopFusionNode::PublishPaths(const ros::WallTimerEvent& /*event*/) {
-  if (!publisher_->WantsPaths()) {
-    return;
+  errors_.Guard([this] {
+    if (!publisher_->WantsPaths()) {
+      return;
+    }
+    std::vector<LoopReport> loops;
+    int first_own_sequence = 0;
+    const std::vector<KeyframeInfo> keyframes =
+        fusion_->WithLoopCloser([&](const LoopCloser& closer) {
+          loops = closer.accepted_loops();
+          first_own_sequence = first_own_sequence_;
+          return AllKeyframes(closer);
+        });
+    publisher_->PublishPaths(keyframes, loops, first_own_sequence);
+  });
+}
+
+std::vector<NeededTopic> LoopFusionNode::NeededTopics() const {
+  const VioTopics& topics = parameters_.topics;
+  const std::string odometry = ros::message_traits::datatype<nav_msgs::Odometry>();
+  std::vector<NeededTopic> needed = {{handle_.resolveName(topics.odometry), odometry, true}};
+  if (vins_.loop_closure) {
+    needed.push_back({handle_.resolveName(topics.image),
+                      parameters_.compressed_images
+                          ? ros::message_traits::datatype<sensor_msgs::CompressedImage>()
+                          : ros::message_traits::datatype<sensor_msgs::Image>(),
+                      true});
+    needed.push_back({handle_.resolveName(topics.keyframe_pose), odometry, false});
+    needed.push_back({handle_.resolveName(topics.keyframe_point),
+                      ros::message_traits::datatype<sensor_msgs::PointCloud>(),
+                      false});
   }
-  std::vector<LoopReport> loops;
-  int first_own_sequence = 0;
-  const std::vector<KeyframeInfo> keyframes =
-      fusion_->WithLoopCloser([&](const LoopCloser& closer) {
-        loops = closer.accepted_loops();
-        first_own_sequence = first_own_sequence_;
-        return AllKeyframes(closer);
-      });
-  publisher_->PublishPaths(keyframes, loops, first_own_sequence);
+  return needed;
+}
+
+void LoopFusionNode::WatchTopics(const ros::WallTimerEvent& /*event*/) {
+  errors_.Guard([this] {
+    const double now_s = ros::SteadyTime::now().toSec();
+    if (watch_->Silent(now_s).empty()) {
+      return;
+    }
+    ros::master::V_TopicInfo topics;
+    ros::master::getTopics(topics);
+    std::map<std::string, std::string> published;
+    for (const ros::master::TopicInfo& topic : topics) {
+      published[topic.name] = topic.datatype;
+    }
+    for (const std::string& warning : watch_->Warn(now_s, published)) {
+      ROS_WARN("loop_fusion: %s", warning.c_str());
+    }
+  });
 }
 
 void LoopFusionNode::OnProblem(const std::string& what) {
@@ -292,7 +347,7 @@ bool LoopFusionNode::Finish() {
            static_cast<long>(statistics.keyframes),
            static_cast<long>(accepted == statistics.candidates.end() ? 0 : accepted->second),
            static_cast<long>(statistics.queue_overflows),
-           static_cast<long>(bad_messages_.load()));
+           static_cast<long>(errors_.bad_inputs()));
   return is_well;
 }
 

@@ -11,6 +11,9 @@ namespace {
 
 constexpr std::uint32_t kQueue = 100;
 
+// A join tells of thousands of loops at once, and none may be lost.
+constexpr std::uint32_t kUnbounded = 0;
+
 std::vector<KeyframeInfo> OfSequences(const std::vector<KeyframeInfo>& keyframes,
                                       int first,
                                       int last) {
@@ -47,7 +50,7 @@ LoopPublisher::LoopPublisher(ros::NodeHandle vins_handle,
   camera_pose_visual_ =
       vins_handle.advertise<visualization_msgs::MarkerArray>("camera_pose_visual", kQueue);
 
-  loop_constraint_ = private_handle.advertise<LoopConstraint>("loop_constraint", kQueue);
+  loop_constraint_ = private_handle.advertise<LoopConstraint>("loop_constraint", kUnbounded);
   drift_ = private_handle.advertise<geometry_msgs::TransformStamped>("drift", kQueue);
   odometry_corrected_ = private_handle.advertise<nav_msgs::Odometry>("odometry_corrected", kQueue);
   imu_propagate_corrected_ =
@@ -91,7 +94,8 @@ void LoopPublisher::PublishOdometry(const nav_msgs::Odometry& message,
                                     const StampedPose& T_W_B,
                                     const Rigid3& T_M_W) {
   odometry_corrected_.publish(CorrectOdometry(message, T_W_B, T_M_W, frames_));
-  broadcaster_.sendTransform(ToDrift(T_M_W, T_W_B.stamp_ns, frames_));
+  broadcaster_.sendTransform({ToDrift(T_M_W, T_W_B.stamp_ns, frames_),
+                              ToCorrectedBody(T_M_W * T_W_B.pose, T_W_B.stamp_ns, frames_)});
   if (camera_pose_visual_.getNumSubscribers() > 0) {
     camera_pose_visual_.publish(ToCameraMarkers(T_M_W * T_W_B.pose * vins_.T_B_C,
                                                 *vins_.camera,

@@ -5,6 +5,7 @@
 #include "deja_view/io/options_yaml.hpp"
 #include "deja_view/ros/messages/conversions.hpp"
 #include "deja_view/ros/messages/virtual_frame_conversion.hpp"
+#include "deja_view/ros/nodes/answer_service.hpp"
 #include "deja_view/scene/open_scene_model.hpp"
 
 #include <utility>
@@ -53,14 +54,8 @@ ViewQueueOptions ReadQueueOptions(const ros::NodeHandle& handle) {
 
 }  // namespace
 
-template <typename Body>
-void NerfRenderNode::Guard(const Body& body) {
-  try {
-    body();
-  } catch (const InputError& e) {
-    ++problems_;
-    ROS_WARN_STREAM_THROTTLE(1.0, "nerf_render: " << e.what());
-  }
+void NerfRenderNode::OnProblem(const std::string& what) {
+  ROS_WARN_STREAM_THROTTLE(1.0, "nerf_render: " << what);
 }
 
 NerfRenderNode::NerfRenderNode()
@@ -107,7 +102,7 @@ int NerfRenderNode::Run(const std::atomic<bool>& stop) {
            image_topic_.c_str(),
            pose_topic_.c_str());
   ros::CallbackQueue& callbacks = *ros::getGlobalCallbackQueue();
-  while (!stop && ros::ok()) {
+  while (!stop && ros::ok() && !errors_.has_failed()) {
     callbacks.callAvailable(ros::WallDuration(0.1));
   }
   subscribers_.clear();
@@ -117,6 +112,7 @@ int NerfRenderNode::Run(const std::atomic<bool>& stop) {
     // What waits is given up; the view at work is finished.
   }
   worker_.join();
+  errors_.RethrowFailure();
   const ViewQueueCounts counts = queue_->counts();
   ROS_INFO(
       "nerf_render: %ld images, %ld without pose, %ld chosen, %ld dropped, %ld of other sub-maps; "
@@ -127,7 +123,7 @@ int NerfRenderNode::Run(const std::atomic<bool>& stop) {
       static_cast<long>(counts.dropped),
       static_cast<long>(elsewhere_),
       static_cast<long>(views_),
-      static_cast<long>(problems_));
+      static_cast<long>(errors_.bad_inputs()));
   return 0;
 }
 
@@ -143,7 +139,7 @@ void NerfRenderNode::Subscribe() {
 }
 
 void NerfRenderNode::OnImage(const sensor_msgs::ImageConstPtr& message) {
-  Guard([&] {
+  errors_.Guard([&] {
     queue_->AddImage(ToNanoseconds(message->header.stamp),
                      message->header.frame_id,
                      FromImage(message, image_topic_));
@@ -151,7 +147,7 @@ void NerfRenderNode::OnImage(const sensor_msgs::ImageConstPtr& message) {
 }
 
 void NerfRenderNode::OnCompressedImage(const sensor_msgs::CompressedImageConstPtr& message) {
-  Guard([&] {
+  errors_.Guard([&] {
     queue_->AddImage(ToNanoseconds(message->header.stamp),
                      message->header.frame_id,
                      FromCompressedImage(message, image_topic_));
@@ -159,24 +155,17 @@ void NerfRenderNode::OnCompressedImage(const sensor_msgs::CompressedImageConstPt
 }
 
 void NerfRenderNode::OnPose(const nav_msgs::OdometryConstPtr& message) {
-  Guard([&] {
+  errors_.Guard([&] {
     const StampedPose pose = FromOdometry(*message, pose_topic_);
     queue_->AddPose(pose.stamp_ns, pose.pose);
   });
 }
 
 bool NerfRenderNode::LoadModel(NamedMap::Request& request, NamedMap::Response& response) {
-  try {
+  return AnswerService("load_model", &errors_, &response, [&] {
     Load(request.name);
-    response.success = 1;
-    response.message = models_.Resolve(request.name).string();
-    ROS_INFO("nerf_render: loaded %s", response.message.c_str());
-  } catch (const InputError& e) {
-    response.success = 0;
-    response.message = e.what();
-    ROS_ERROR("nerf_render: %s", e.what());
-  }
-  return true;
+    return models_.Resolve(request.name).string();
+  });
 }
 
 void NerfRenderNode::Load(const std::string& name) {
@@ -200,7 +189,7 @@ void NerfRenderNode::Load(const std::string& name) {
 
 void NerfRenderNode::Work() {
   while (const std::optional<PosedSource> source = queue_->Pop()) {
-    Guard([&] { Render(*source); });
+    errors_.Guard([&] { Render(*source); });
   }
 }
 

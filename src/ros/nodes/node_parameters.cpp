@@ -32,6 +32,7 @@ NodeParameters ReadNodeParameters(const ros::NodeHandle& handle) {
   p.frames.map = ReadText(handle, "frames/map", p.frames.map);
   p.frames.vio = ReadText(handle, "frames/vio", p.frames.vio);
   p.frames.body = ReadText(handle, "frames/body", p.frames.body);
+  p.frames.body_corrected = ReadText(handle, "frames/body_corrected", p.frames.body_corrected);
   return p;
 }
 

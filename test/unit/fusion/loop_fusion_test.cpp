@@ -45,7 +45,8 @@ class LoopFusionTest : public ::testing::Test {
 
   void Add(LoopFusion* fusion, int i) {
     const KeyframeInput keyframe = flight_.Keyframe(i, kKeyframes);
-    fusion->AddImage(keyframe.stamp_ns, [image = keyframe.image] { return image; });
+    fusion->AddImage(
+        keyframe.stamp_ns, [image = keyframe.image] { return image; }, 1);
     fusion->AddPose(keyframe.stamp_ns, keyframe.T_W_B);
     fusion->AddPoints(keyframe.stamp_ns, keyframe.points);
   }
@@ -134,12 +135,15 @@ TEST_F(LoopFusionTest, KeyframesThatCannotBeUsedAreReportedAndSkipped) {
   fusion->Start();
   for (int i = 0; i < 6; ++i) {
     const KeyframeInput keyframe = flight_.Keyframe(i, kKeyframes);
-    fusion->AddImage(keyframe.stamp_ns, [i, image = keyframe.image] {
-      if (i == 2) {
-        ThrowInputError("/camera: broken picture");
-      }
-      return i == 4 ? cv::Mat(image, cv::Rect(0, 0, 100, 100)).clone() : image;
-    });
+    fusion->AddImage(
+        keyframe.stamp_ns,
+        [i, image = keyframe.image] {
+          if (i == 2) {
+            ThrowInputError("/camera: broken picture");
+          }
+          return i == 4 ? cv::Mat(image, cv::Rect(0, 0, 100, 100)).clone() : image;
+        },
+        1);
     fusion->AddPose(keyframe.stamp_ns, keyframe.T_W_B);
     fusion->AddPoints(keyframe.stamp_ns, keyframe.points);
   }
@@ -148,6 +152,28 @@ TEST_F(LoopFusionTest, KeyframesThatCannotBeUsedAreReportedAndSkipped) {
   EXPECT_EQ(fusion->statistics().refused, 2);
   EXPECT_THAT(problems_, Contains(HasSubstr("broken picture")));
   EXPECT_THAT(problems_, Contains(HasSubstr("100")));
+}
+
+TEST_F(LoopFusionTest, ABrokenInvariantEndsTheWork) {
+  const auto fusion = Make();
+  fusion->Start();
+  for (int i = 0; i < 3; ++i) {
+    const KeyframeInput keyframe = flight_.Keyframe(i, kKeyframes);
+    fusion->AddImage(
+        keyframe.stamp_ns,
+        [i, image = keyframe.image] {
+          DEJA_VIEW_CHECK_OP(i, !=, 1);
+          return image;
+        },
+        1);
+    fusion->AddPose(keyframe.stamp_ns, keyframe.T_W_B);
+    fusion->AddPoints(keyframe.stamp_ns, keyframe.points);
+  }
+  EXPECT_EQ(fusion->Stop(kForever), 1);
+  EXPECT_EQ(stamps_.size(), 1U);
+  EXPECT_EQ(fusion->statistics().refused, 0);
+  EXPECT_TRUE(fusion->errors().has_failed());
+  EXPECT_THROW(fusion->errors().RethrowFailure(), CheckError);
 }
 
 TEST_F(LoopFusionTest, RelativePosesOfUnknownKeyframesAreIgnored) {
@@ -176,10 +202,10 @@ TEST_F(LoopFusionTest, TheLoopCloserCanBeUsedBetweenKeyframes) {
 TEST_F(LoopFusionTest, ChecksItsOptions) {
   LoopFusionOptions options;
   options.node.queue_size = 0;
-  options.assembler.max_images = 0;
+  options.assembler.max_pending = 0;
   EXPECT_THROW(Make(options), InputError);
   EXPECT_THAT(options.Validate(), Contains(HasSubstr("node.queue_size")));
-  EXPECT_THAT(options.Validate(), Contains(HasSubstr("assembler.max_images")));
+  EXPECT_THAT(options.Validate(), Contains(HasSubstr("assembler.max_pending")));
   EXPECT_THAT(LoopFusionOptions().Validate(), IsEmpty());
 }
 

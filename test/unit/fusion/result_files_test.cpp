@@ -1,5 +1,6 @@
 #include "deja_view/fusion/result_files.hpp"
 
+#include "deja_view/base/check.hpp"
 #include "deja_view/io/tum.hpp"
 
 #include <filesystem>
@@ -7,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "temporary_directory.hpp"
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -71,6 +73,19 @@ TEST(ResultFilesTest, WritesTrajectoriesAndLoops) {
   std::getline(matched, line);
   EXPECT_EQ(line, "1000000003,1000000001,1,2,5.0,6.0,7.0,8.2");
   fs::remove_all(directory);
+}
+
+class CheckWritableTest : public TemporaryDirectoryTest {};
+
+TEST_F(CheckWritableTest, MakesTheDirectoryAndLeavesNothingInIt) {
+  CheckWritable(directory_ / "flights" / "one");
+  EXPECT_TRUE(fs::is_empty(directory_ / "flights" / "one"));
+}
+
+TEST_F(CheckWritableTest, NamesADirectoryThatCannotBe) {
+  const fs::path file = Write("file", "");
+  EXPECT_EQ(MessageOf<InputError>([&] { CheckWritable(file / "out"); }),
+            (file / "out").string() + ": files can't be written there");
 }
 
 }  // namespace

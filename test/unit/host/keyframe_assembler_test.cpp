@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "keyframe_assembler_fixture.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -29,68 +30,6 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Pair;
-
-constexpr std::int64_t kMillisecond = 1000000;
-constexpr std::int64_t kStart = 1403636627638560000;
-
-std::int64_t Stamp(int milliseconds) {
-  return kStart + milliseconds * kMillisecond;
-}
-
-// What came out: offset of the stamp from kStart [ms] and number of points.
-using Output = std::vector<std::pair<int, int>>;
-
-class KeyframeAssemblerTest : public ::testing::Test {
- protected:
-  void Reset(const KeyframeAssemblerOptions& options) {
-    output_.clear();
-    drops_.clear();
-    extrinsics_.clear();
-    sequence_starts_.clear();
-    decoded_ = 0;
-    assembler_ = KeyframeAssembler(
-        options,
-        [this](const AssembledKeyframe& keyframe) {
-          const KeyframeInput input = keyframe.ToInput();
-          EXPECT_EQ(input.image.rows, 2);
-          output_.emplace_back(Offset(keyframe.stamp_ns), static_cast<int>(keyframe.points.size()));
-          if (keyframe.starts_sequence) {
-            sequence_starts_.push_back(Offset(keyframe.stamp_ns));
-          }
-          extrinsics_.push_back(keyframe.T_B_C ? keyframe.T_B_C->t.x() : -1.0);
-        },
-        [this](DropReason reason, std::int64_t stamp_ns) {
-          drops_.emplace_back(reason, Offset(stamp_ns));
-        });
-  }
-
-  static int Offset(std::int64_t stamp_ns) {
-    return static_cast<int>(std::lround(1e-6 * static_cast<double>(stamp_ns - kStart)));
-  }
-
-  void Image(int ms) {
-    assembler_.AddImage(Stamp(ms), [this] {
-      ++decoded_;
-      return cv::Mat(2, 3, CV_8UC1, cv::Scalar(7));
-    });
-  }
-  void Pose(int ms) { assembler_.AddPose(Stamp(ms), Rigid3::Identity()); }
-  void Points(int ms, int count = 3) {
-    assembler_.AddPoints(Stamp(ms), std::vector<TrackedPoint>(static_cast<std::size_t>(count)));
-  }
-  void Keyframe(int ms) {
-    Image(ms);
-    Pose(ms);
-    Points(ms);
-  }
-
-  Output output_;
-  std::vector<std::pair<DropReason, int>> drops_;
-  std::vector<double> extrinsics_;
-  std::vector<int> sequence_starts_;
-  int decoded_ = 0;
-  KeyframeAssembler assembler_{{}, [](const AssembledKeyframe&) {}, nullptr};
-};
 
 TEST_F(KeyframeAssemblerTest, MatchesInEveryOrderOfArrival) {
   std::vector<int> order = {0, 1, 2};
@@ -138,7 +77,8 @@ TEST_F(KeyframeAssemblerTest, StampsMatchAfterATripThroughDoubleSeconds) {
   Reset({});
   const std::int64_t sent_by_vio = KeyframeAssembler::Key(kStart + 1);
   ASSERT_NE(sent_by_vio, kStart + 1);
-  assembler_.AddImage(kStart + 1, [] { return cv::Mat(2, 2, CV_8UC1); });
+  assembler_.AddImage(
+      kStart + 1, [] { return cv::Mat(2, 2, CV_8UC1); }, 4);
   assembler_.AddPose(sent_by_vio, Rigid3::Identity());
   assembler_.AddPoints(sent_by_vio, {});
   EXPECT_EQ(assembler_.counts().keyframes, 1);
@@ -214,69 +154,6 @@ TEST_F(KeyframeAssemblerTest, AStrayPoseIsDropped) {
   }
 }
 
-TEST_F(KeyframeAssemblerTest, TwoPosesBackInARowAreARestart) {
-  Reset({});
-  for (const int start : {500000, 0}) {
-    for (int ms = start; ms <= start + 1000; ms += 100) {
-      Image(ms);
-      if (ms >= start + 200) {
-        Pose(ms - 200);
-        Points(ms - 200);
-      }
-    }
-  }
-  EXPECT_EQ(output_.size(), 18U);
-  EXPECT_EQ(output_[8].first, 500800);
-  EXPECT_EQ(output_[9].first, 0);
-  EXPECT_THAT(drops_, IsEmpty());
-  EXPECT_THAT(sequence_starts_, ElementsAre(0));
-}
-
-TEST_F(KeyframeAssemblerTest, APauseOfTheImagesStartsASequence) {
-  Reset({});
-  for (const int ms : {0, 900, 1800, 2801, 2850}) {
-    Keyframe(ms);
-  }
-  EXPECT_THAT(sequence_starts_, ElementsAre(2801));
-}
-
-TEST_F(KeyframeAssemblerTest, KeyframesFarApartOfACloseImageStreamDoNot) {
-  Reset({});
-  for (int ms = 0; ms <= 6000; ms += 100) {
-    Image(ms);
-    if (ms % 3000 == 0) {
-      Pose(ms);
-      Points(ms);
-    }
-  }
-  EXPECT_EQ(output_.size(), 3U);
-  EXPECT_THAT(sequence_starts_, IsEmpty());
-}
-
-TEST_F(KeyframeAssemblerTest, AStrayImageStampStartsNoSequence) {
-  for (const int stray : {-400000, 5000}) {
-    Reset({});
-    for (int ms = 0; ms <= 9000; ms += 100) {
-      Keyframe(ms);
-      if (ms == 200) {
-        Image(stray);
-      }
-    }
-    EXPECT_EQ(output_.size(), 91U);
-    EXPECT_THAT(sequence_starts_, IsEmpty()) << stray;
-  }
-}
-
-TEST_F(KeyframeAssemblerTest, TheNextKeyframeStartsTheSequenceWhenItsFirstOneIsLost) {
-  Reset({});
-  Keyframe(0);
-  Image(3000);
-  Pose(3100);  // its image is lost
-  Keyframe(3200);
-  Keyframe(3300);
-  EXPECT_THAT(sequence_starts_, ElementsAre(3200));
-}
-
 TEST_F(KeyframeAssemblerTest, DropsDuplicates) {
   Reset({});
   Image(0);
@@ -294,7 +171,7 @@ TEST_F(KeyframeAssemblerTest, DropsDuplicates) {
 
 TEST_F(KeyframeAssemblerTest, BoundsHoldAndOverflowsAreCounted) {
   KeyframeAssemblerOptions options;
-  options.max_images = 4;
+  options.image_memory_mb = 4;
   options.max_pending = 3;
   Reset(options);
   for (int ms = 0; ms < 600; ms += 100) {
@@ -311,18 +188,36 @@ TEST_F(KeyframeAssemblerTest, BoundsHoldAndOverflowsAreCounted) {
               ElementsAre(Pair(DropReason::kOverflow, 200), Pair(DropReason::kMissingPoints, 200)));
 }
 
-TEST_F(KeyframeAssemblerTest, OldImagesAreGivenUp) {
-  KeyframeAssemblerOptions options;
-  options.image_window_s = 0.5;
-  Reset(options);
-  Image(0);
-  Image(100);
-  for (int ms = 200; ms < 900; ms += 100) {
+TEST_F(KeyframeAssemblerTest, ALateVioFindsItsImages) {
+  Reset({});
+  for (int ms = 0; ms < 12000; ms += 100) {
     Image(ms);
   }
-  Keyframe(0 + 200);
+  for (const int ms : {500, 1000, 1500}) {
+    Pose(ms);
+    Points(ms);
+  }
   assembler_.Flush();
-  EXPECT_THAT(output_, ElementsAre(Pair(200, 3)));  // sent again, as the first one was given up
+  EXPECT_THAT(output_, ElementsAre(Pair(500, 3), Pair(1000, 3), Pair(1500, 3)));
+  EXPECT_THAT(drops_, IsEmpty());
+}
+
+TEST_F(KeyframeAssemblerTest, ImagesOfALongHoverTakeNoMemory) {
+  KeyframeAssemblerOptions options;
+  options.image_memory_mb = 250;
+  Reset(options);
+  for (int rounds = 0; rounds < 3; ++rounds) {
+    const int start = 20000 * rounds;
+    for (int ms = start; ms < start + 20000; ms += 100) {
+      Image(ms);
+    }
+    Pose(start + 19800);
+    Points(start + 19800);
+    Pose(start + 19900);
+    Points(start + 19900);
+  }
+  EXPECT_EQ(output_.size(), 6U);
+  EXPECT_EQ(assembler_.counts().overflows, 0);
 }
 
 TEST_F(KeyframeAssemblerTest, CalibrationIsThatOfTheKeyframesTime) {
@@ -410,9 +305,10 @@ TEST_F(KeyframeAssemblerTest, OutputDoesNotDependOnHowTopicsInterleave) {
 TEST(KeyframeAssemblerOptionsTest, ListsAllViolations) {
   EXPECT_THAT(KeyframeAssemblerOptions().Validate(), IsEmpty());
   KeyframeAssemblerOptions options;
-  options.max_images = 0;
+  options.image_memory_mb = 0;
   options.timeout_s = -1;
-  EXPECT_THAT(options.Validate(), ElementsAre(HasSubstr("max_images"), HasSubstr("timeout_s")));
+  EXPECT_THAT(options.Validate(),
+              ElementsAre(HasSubstr("image_memory_mb"), HasSubstr("timeout_s")));
   EXPECT_THROW(KeyframeAssembler(
                    options, [](const AssembledKeyframe&) {}, nullptr),
                InputError);

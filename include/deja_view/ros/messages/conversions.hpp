@@ -31,6 +31,9 @@ ros::Time ToRosTime(std::int64_t stamp_ns);
 Rigid3 FromPose(const geometry_msgs::Pose& pose, const std::string& topic);
 geometry_msgs::Pose ToPose(const Rigid3& pose);
 
+/// Whether the orientation is all zeros, as VINS-Mono's is until it is initialised.
+bool IsUninitialised(const nav_msgs::Odometry& message);
+
 StampedPose FromOdometry(const nav_msgs::Odometry& message, const std::string& topic);
 
 /// One channel per point with [x_n, y_n, u, v, feature id]. Points or pixels that are not finite

@@ -22,6 +22,7 @@ struct FrameNames {
   std::string map = "world";  ///< M; VINS-Mono's name for the world
   std::string vio = "vio";    ///< W, before correction
   std::string body = "body";  ///< B
+  std::string body_corrected = "body_corrected";  ///< B, as tf's child of the map
 };
 
 LoopConstraint ToLoopConstraint(const LoopReport& loop, const FrameNames& frames);
@@ -30,6 +31,11 @@ LoopConstraint ToLoopConstraint(const LoopReport& loop, const FrameNames& frames
 geometry_msgs::TransformStamped ToDrift(const Rigid3& T_M_W,
                                         std::int64_t stamp_ns,
                                         const FrameNames& frames);
+
+/// The corrected pose of the body, for tf.
+geometry_msgs::TransformStamped ToCorrectedBody(const Rigid3& T_M_B,
+                                                std::int64_t stamp_ns,
+                                                const FrameNames& frames);
 
 /// The VIO's odometry moved into the map: pose, and velocity, which VINS-Mono gives in W.
 /// Covariances are kept.

@@ -3,6 +3,7 @@
 #include "deja_view/fusion/loop_fusion.hpp"
 #include "deja_view/fusion/map_directory.hpp"
 #include "deja_view/fusion/match_samples.hpp"
+#include "deja_view/host/topic_watch.hpp"
 #include "deja_view/io/vins_config.hpp"
 #include "deja_view/ros/messages/virtual_frame_conversion.hpp"
 #include "deja_view/ros/nodes/loop_publisher.hpp"
@@ -37,7 +38,8 @@ class LoopFusionNode {
   ~LoopFusionNode();
 
   /// Runs until `stop` is set or ROS shuts down; then finishes what waits, within
-  /// NodeOptions::drain_s, and writes results and map when told to. Returns the exit code.
+  /// NodeOptions::drain_s, and writes results and map when told to. Returns the exit code. Throws
+  /// what broke an invariant, on any thread (ErrorPolicy).
   int Run(const std::atomic<bool>& stop);
 
  private:
@@ -64,8 +66,11 @@ class LoopFusionNode {
   bool LoadMap(NamedMap::Request& request, NamedMap::Response& response);
   void Load(const std::filesystem::path& map);
   void PublishPaths(const ros::WallTimerEvent& event);
+  std::vector<NeededTopic> NeededTopics() const;
+  void WatchTopics(const ros::WallTimerEvent& event);
   void Diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
   void OnProblem(const std::string& what);
+  bool HasFailed() const { return errors_.has_failed() || fusion_->errors().has_failed(); }
   bool Finish();
 
   ros::NodeHandle handle_;
@@ -85,7 +90,8 @@ class LoopFusionNode {
   std::vector<LoopReport> loops_;
   MatchSamples matches_;
 
-  std::atomic<std::int64_t> bad_messages_{0};
+  ErrorPolicy errors_{[this](const std::string& what) { OnProblem(what); }};  ///< of all callbacks
+  std::unique_ptr<TopicWatch> watch_;
   LoopFusionStatistics diagnosed_;  ///< at the last diagnosis
   std::int64_t diagnosed_bad_messages_ = 0;
   ros::WallTime diagnosed_at_;

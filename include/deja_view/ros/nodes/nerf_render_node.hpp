@@ -1,5 +1,6 @@
 #pragma once
 
+#include "deja_view/base/error_policy.hpp"
 #include "deja_view/fusion/model_directory.hpp"
 #include "deja_view/io/vins_config.hpp"
 #include "deja_view/views/scene_model.hpp"
@@ -48,7 +49,8 @@ class NerfRenderNode {
   NerfRenderNode();
   ~NerfRenderNode();
 
-  /// Runs until `stop` is set or ROS shuts down. Returns the exit code.
+  /// Runs until `stop` is set or ROS shuts down. Returns the exit code. Throws what broke an
+  /// invariant, on any thread (ErrorPolicy).
   int Run(const std::atomic<bool>& stop);
 
  private:
@@ -60,9 +62,7 @@ class NerfRenderNode {
   void Load(const std::string& name);
   void Work();
   void Render(const PosedSource& source);
-  /// Counts and logs an InputError of `body`.
-  template <typename Body>
-  void Guard(const Body& body);
+  void OnProblem(const std::string& what);
 
   ros::NodeHandle handle_;
   ros::NodeHandle private_handle_{"~"};
@@ -90,7 +90,7 @@ class NerfRenderNode {
 
   std::atomic<std::int64_t> views_{0};
   std::atomic<std::int64_t> elsewhere_{0};  ///< images whose views another sub-map's field gives
-  std::atomic<std::int64_t> problems_{0};
+  ErrorPolicy errors_{[this](const std::string& what) { OnProblem(what); }};
   std::thread worker_;
   ros::Publisher publisher_;
   std::vector<ros::Subscriber> subscribers_;

@@ -23,7 +23,7 @@ struct NodeParameters {
   std::string save_map_at_end;             ///< ~save_map_at_end: name of a map; empty: none
   VioTopics topics;  ///< ~topics/image, keyframe_pose, ...; the image's default is the YAML's
   bool compressed_images = false;  ///< ~compressed_images: the image topic is a CompressedImage's
-  FrameNames frames;               ///< ~frames/map, vio, body
+  FrameNames frames;               ///< ~frames/map, vio, body, body_corrected
   std::string vins_namespace;      ///< ~vins_namespace: of VINS-Mono's outputs, "/pose_graph"
 
   /// `load_previous_pose_graph: 1` of the YAML: the map "previous" is loaded at the start if there

@@ -83,6 +83,13 @@ TEST(ConversionsTest, RefusesAPoseThatIsNone) {
               AllOf(HasSubstr(kTopic), HasSubstr("norm 0")));
 }
 
+TEST(ConversionsTest, AnOrientationOfZerosIsThatOfAVioThatHasNotBegun) {
+  nav_msgs::Odometry message;
+  EXPECT_TRUE(IsUninitialised(message));
+  message.pose.pose.orientation.z = 1e-9;
+  EXPECT_FALSE(IsUninitialised(message));
+}
+
 TEST(ConversionsTest, NormalisesARoundedQuaternion) {
   geometry_msgs::Pose message = ToPose(Rigid3::Identity());
   message.orientation.w = 0.999;

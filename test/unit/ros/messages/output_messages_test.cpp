@@ -65,6 +65,16 @@ TEST(OutputMessagesTest, DriftIsTheViosWorldInTheMap) {
   EXPECT_DOUBLE_EQ(message.transform.rotation.z, std::sin(0.25));
 }
 
+TEST(OutputMessagesTest, TheCorrectedBodyHasAFrameOfItsOwn) {
+  const Rigid3 T_M_B{FromYaw(-0.5), {1, 2, 3}};
+  const geometry_msgs::TransformStamped message = ToCorrectedBody(T_M_B, kStamp, {});
+  EXPECT_EQ(message.header.stamp, ToRosTime(kStamp));
+  EXPECT_EQ(message.header.frame_id, "world");
+  EXPECT_EQ(message.child_frame_id, "body_corrected");
+  EXPECT_EQ(message.transform.translation.x, 1);
+  EXPECT_DOUBLE_EQ(message.transform.rotation.z, -std::sin(0.25));
+}
+
 TEST(OutputMessagesTest, CorrectedOdometryMovesPoseAndVelocity) {
   nav_msgs::Odometry odometry;
   odometry.header.stamp = ToRosTime(kStamp);

@@ -1,0 +1,46 @@
+#pragma once
+
+#include "deja_view/geometry/rigid3.hpp"
+#include "deja_view/host/keyframe_input.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace deja_view {
+
+/// Tells from its keyframes alone when a VIO has started anew, in another world than before:
+///   - points that it still tracks have all moved in its world, or
+///   - it tracks none of the points that it did, and it was silent for long, or came to where its
+///     motion before could not have brought it.
+/// A VIO that loses its tracks and flies on has its old world; one that starts anew where it was
+/// before does no harm. Hosts that name their points anew in each keyframe tell nothing.
+class RestartDetector {
+ public:
+  /// Keyframes in the order of their stamps. True when this one is the first of a new start.
+  bool Add(std::int64_t stamp_ns, const Rigid3& T_W_B, const std::vector<TrackedPoint>& points);
+
+  /// Forgets what came: a sequence starts for another reason.
+  void Reset();
+
+ private:
+  struct Keyframe {
+    std::int64_t stamp_ns = 0;
+    Eigen::Vector3d p_W;
+    std::unordered_map<std::int64_t, Eigen::Vector3d> points_W;  ///< by feature id
+  };
+  using MovedAndRange = std::vector<std::pair<double, double>>;
+  MovedAndRange CommonPoints(const Keyframe& now) const;
+  bool IsRestart(const Keyframe& now, const MovedAndRange& common) const;
+  bool IsUnexplained(const Keyframe& now) const;
+
+  std::optional<Keyframe> last_;
+  std::optional<Eigen::Vector3d> velocity_;  ///< [m/s] between the last two keyframes
+  bool keeps_tracks_ = false;                ///< the last two keyframes have points in common
+};
+
+}  // namespace deja_view

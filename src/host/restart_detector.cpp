@@ -1,0 +1,100 @@
+#include "deja_view/host/restart_detector.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace deja_view {
+namespace {
+
+// So few points say nothing.
+constexpr std::size_t kFewPoints = 8;
+
+// A VIO refines its points; in a new world they are elsewhere. Of the distance from the camera, and
+// at least [m].
+constexpr double kMovedShare = 0.5;
+constexpr double kMovedMetres = 0.5;
+
+// VINS-Mono takes a second and more to start, and no keyframe comes from it until then.
+constexpr double kSilenceSeconds = 1.0;
+
+// What an aircraft may do between keyframes beyond flying on [m/s^2], and how wrong the prediction
+// may be anyhow [m].
+constexpr double kAcceleration = 15.0;
+constexpr double kStepMetres = 1.0;
+
+double Seconds(std::int64_t from_ns, std::int64_t to_ns) {
+  return 1e-9 * static_cast<double>(to_ns - from_ns);
+}
+
+// Median of the distances that common points moved, over how far they are from the camera.
+bool HaveMoved(std::vector<std::pair<double, double>> moved_and_range) {
+  const auto middle =
+      moved_and_range.begin() + static_cast<std::ptrdiff_t>(moved_and_range.size() / 2);
+  std::nth_element(
+      moved_and_range.begin(), middle, moved_and_range.end(), [](const auto& a, const auto& b) {
+        return a.first * b.second < b.first * a.second;
+      });
+  return middle->first > std::max(kMovedMetres, kMovedShare * middle->second);
+}
+
+}  // namespace
+
+bool RestartDetector::Add(std::int64_t stamp_ns,
+                          const Rigid3& T_W_B,
+                          const std::vector<TrackedPoint>& points) {
+  Keyframe now{stamp_ns, T_W_B.t, {}};
+  for (const TrackedPoint& point : points) {
+    if (point.feature_id >= 0) {
+      now.points_W.emplace(point.feature_id, point.p_W);
+    }
+  }
+  const MovedAndRange common = CommonPoints(now);
+  const bool is_restart = last_ && IsRestart(now, common);
+  const double elapsed_s = last_ ? Seconds(last_->stamp_ns, stamp_ns) : 0;
+  velocity_.reset();
+  if (!is_restart && elapsed_s > 0) {
+    velocity_ = (now.p_W - last_->p_W) / elapsed_s;
+  }
+  keeps_tracks_ = !common.empty();
+  last_ = std::move(now);
+  return is_restart;
+}
+
+void RestartDetector::Reset() {
+  last_.reset();
+  velocity_.reset();
+  keeps_tracks_ = false;
+}
+
+RestartDetector::MovedAndRange RestartDetector::CommonPoints(const Keyframe& now) const {
+  MovedAndRange common;
+  for (const auto& [id, p_W] : now.points_W) {
+    if (!last_) {
+      break;
+    }
+    if (const auto before = last_->points_W.find(id); before != last_->points_W.end()) {
+      common.emplace_back((p_W - before->second).norm(), (p_W - now.p_W).norm());
+    }
+  }
+  return common;
+}
+
+bool RestartDetector::IsRestart(const Keyframe& now, const MovedAndRange& common) const {
+  if (common.size() >= kFewPoints) {
+    return HaveMoved(common);
+  }
+  const bool are_all_new = keeps_tracks_ && common.empty() && now.points_W.size() >= kFewPoints;
+  return are_all_new &&
+         (Seconds(last_->stamp_ns, now.stamp_ns) > kSilenceSeconds || IsUnexplained(now));
+}
+
+bool RestartDetector::IsUnexplained(const Keyframe& now) const {
+  if (!velocity_) {
+    return false;
+  }
+  const double elapsed_s = Seconds(last_->stamp_ns, now.stamp_ns);
+  const Eigen::Vector3d predicted = last_->p_W + elapsed_s * *velocity_;
+  return (now.p_W - predicted).norm() > kStepMetres + 0.5 * kAcceleration * elapsed_s * elapsed_s;
+}
+
+}  // namespace deja_view
