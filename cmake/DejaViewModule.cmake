@@ -1,7 +1,8 @@
 # deja_view_module(NAME SOURCES file... [MODULES module...] [LINK library...] [PRIVATE_LINK library...])
 #
-# One static library per module, deja_view_NAME. MODULES are our own; LINK shows in our headers. Of our headers a module
-# may include only those of the modules that it names: scripts/check_arrows compares.
+# One static library per module, deja_view_NAME, which find_package(deja_view) gives to others as deja_view::NAME; those
+# of the laboratory stay here. MODULES are our own; LINK shows in our headers. Of our headers a module may include only
+# those of the modules that it names: scripts/check_arrows compares.
 function(deja_view_module name)
   cmake_parse_arguments(ARG "" "" "SOURCES;MODULES;LINK;PRIVATE_LINK" ${ARGN})
   set(target deja_view_${name})
@@ -15,7 +16,10 @@ function(deja_view_module name)
   endforeach()
   target_link_libraries(${target} PUBLIC ${ARG_LINK} PRIVATE ${ARG_PRIVATE_LINK})
   deja_view_target_defaults(${target})
-  set_property(GLOBAL APPEND PROPERTY DEJA_VIEW_MODULES ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  if(NOT CMAKE_CURRENT_SOURCE_DIR MATCHES "^${PROJECT_SOURCE_DIR}/src/lab/")
+    install(TARGETS ${target} EXPORT deja_viewTargets ARCHIVE DESTINATION lib)
+  endif()
 endfunction()
 
 # deja_view_highway(TARGET): compiles its kernels, whose files lie in the current folder, once per instruction set where

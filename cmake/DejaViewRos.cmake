@@ -27,7 +27,7 @@ add_message_files(DIRECTORY msg FILES LoopConstraint.msg VirtualFrame.msg)
 add_service_files(DIRECTORY srv FILES NamedMap.srv)
 generate_messages(DEPENDENCIES geometry_msgs std_msgs)
 
-catkin_package(CATKIN_DEPENDS geometry_msgs message_runtime std_msgs)
+catkin_package(CATKIN_DEPENDS geometry_msgs message_runtime std_msgs CFG_EXTRAS deja_view-extras.cmake)
 
 set(BUILD_SHARED_LIBS ${DEJA_VIEW_SAVED_SHARED_LIBS})
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${DEJA_VIEW_SAVED_BIN_DIRECTORY})

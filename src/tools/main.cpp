@@ -10,15 +10,19 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", DEJA_VIEW_VERSION);
   app.require_subcommand(1);
   deja_view::Command command;
+#ifdef DEJA_VIEW_WITH_LAB
+  deja_view::AddApeCommand(app, &command);
 #ifdef DEJA_VIEW_WITH_ROS
   deja_view::AddEvaluateCommand(app, &command);
+#endif
+  deja_view::AddReportCommand(app, &command);
+  deja_view::AddSimulateCommand(app, &command);
+#endif
+  deja_view::AddNerfCommand(app, &command);
+#ifdef DEJA_VIEW_WITH_ROS
   deja_view::AddReplayCommand(app, &command);
   deja_view::AddViewsCommand(app, &command);
 #endif
-  deja_view::AddApeCommand(app, &command);
-  deja_view::AddNerfCommand(app, &command);
-  deja_view::AddReportCommand(app, &command);
-  deja_view::AddSimulateCommand(app, &command);
   deja_view::AddVocabularyCommand(app, &command);
   CLI11_PARSE(app, argc, argv);
   try {
