@@ -3,6 +3,7 @@
 #include "deja_view/base/angles.hpp"
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/requirements.hpp"
+#include "deja_view/features/keypoint_grid.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -25,6 +26,8 @@ std::vector<std::string> MotionStereoOptions::Validate() const {
   r.That(partners >= 1, "partners", partners, "at least 1");
   r.Range("min_overlap", min_overlap, 0.0, 1.0);
   r.Range("min_depth_ratio", min_depth_ratio, 0.0, 1.0);
+  r.That(max_points >= 0, "max_points", max_points, "at least 0");
+  r.That(min_distance_px >= 0, "min_distance_px", min_distance_px, "at least 0");
   r.That(position_sigma_per_sqrt_m >= 0,
          "position_sigma_per_sqrt_m",
          position_sigma_per_sqrt_m,
@@ -35,6 +38,36 @@ std::vector<std::string> MotionStereoOptions::Validate() const {
          "at least 0");
   r.Group("pair", pair.Validate());
   return r.errors();
+}
+
+std::vector<std::size_t> SelectPoints(const CornerView& view,
+                                      const std::vector<Eigen::Vector2f>& taken,
+                                      const Camera& camera,
+                                      const MotionStereoOptions& options) {
+  constexpr float kGridCellPx = 32.0F;
+  constexpr std::int32_t kManyMatches = 3;  // more of them say no more
+  const KeypointGrid grid(taken, camera.width(), camera.height(), kGridCellPx);
+  std::vector<std::pair<float, std::size_t>> order;
+  for (std::size_t i = 0; i < view.depths.size(); ++i) {
+    const InverseDepth& depth = view.depths[i];
+    bool is_taken = !IsCertain(depth, options.pair);
+    if (!is_taken) {
+      grid.ForEachNear(view.pixels[i], static_cast<float>(options.min_distance_px), [&](int) {
+        is_taken = true;
+      });
+    }
+    if (!is_taken) {
+      const auto matches = static_cast<float>(std::min(depth.matches, kManyMatches));
+      order.emplace_back(depth.sigma / (depth.mean * matches), i);
+    }
+  }
+  const auto count = std::min(order.size(), static_cast<std::size_t>(options.max_points));
+  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end());
+  std::vector<std::size_t> selected;
+  for (std::size_t k = 0; k < count; ++k) {
+    selected.push_back(order[k].second);
+  }
+  return selected;
 }
 
 MotionStereo::MotionStereo(const MotionStereoOptions& options, std::shared_ptr<const Camera> camera)

@@ -15,9 +15,11 @@ namespace deja_view {
 /// believed.
 struct MotionStereoOptions {
   int recent = 10;                          ///< images kept; 0: nothing is triangulated
-  int partners = 3;                         ///< of them, those that a new image is matched with
+  int partners = 2;                         ///< of them, those that a new image is matched with
   double min_overlap = 0.4;                 ///< of the new image's view that a partner must see
   double min_depth_ratio = 0.2;             ///< to the scene's median: nothing nearer is looked for
+  int max_points = 300;                     ///< best of an image's corners that become points
+  double min_distance_px = 4.0;             ///< of them from those that are points already
   double position_sigma_per_sqrt_m = 0.01;  ///< of the odometry, per square root of the metres
   double yaw_sigma_per_sqrt_m_deg = 0.1;
   TriangulationOptions pair;
@@ -28,12 +30,22 @@ struct MotionStereoOptions {
     v("partners", partners);
     v("min_overlap", min_overlap);
     v("min_depth_ratio", min_depth_ratio);
+    v("max_points", max_points);
+    v("min_distance_px", min_distance_px);
     v("position_sigma_per_sqrt_m", position_sigma_per_sqrt_m);
     v("yaw_sigma_per_sqrt_m_deg", yaw_sigma_per_sqrt_m_deg);
     v("pair", pair);
   }
   std::vector<std::string> Validate() const;
 };
+
+/// The corners of certain depth, the best first, at most `options.max_points` of them and none near
+/// a pixel of `taken`: several images that agree count before one alone, then by relative
+/// deviation.
+std::vector<std::size_t> SelectPoints(const CornerView& view,
+                                      const std::vector<Eigen::Vector2f>& taken,
+                                      const Camera& camera,
+                                      const MotionStereoOptions& options);
 
 /// Depths of an image sequence's corners from the motion between the images. Deterministic.
 class MotionStereo {
