@@ -39,6 +39,12 @@ void KeyframeMap::MakePlace(KeyframeFeatures features) {
   places_.push_back(newest());
 }
 
+KeyframeFeatures& KeyframeMap::features(int i) {
+  StoredKeyframe& keyframe = keyframes_.at(static_cast<std::size_t>(i));
+  DEJA_VIEW_CHECK(keyframe.is_place);
+  return keyframe.features;
+}
+
 bool KeyframeMap::IsSameStamp(std::int64_t a_ns, std::int64_t b_ns) {
   return std::abs(a_ns - b_ns) <= kSameStampNs;
 }

@@ -29,6 +29,8 @@ class KeyframeMap {
   int Add(StoredKeyframe keyframe, int sequence, const Rigid3& T_W_B);
   /// Makes the newest keyframe a place to recognise.
   void MakePlace(KeyframeFeatures features);
+  /// Of a place.
+  KeyframeFeatures& features(int i);
   void SetRelocalised(int i, int old) {
     keyframes_.at(static_cast<std::size_t>(i)).relocalised_old = old;
   }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "map_io.hpp"
+#include "own_points.hpp"
 #include "step_timer.hpp"
 
 namespace deja_view {
@@ -45,6 +46,7 @@ LoopCloserImpl::LoopCloserImpl(const LoopCloserOptions& options,
       extractor_(MakeFeatureExtractor(options.features)),
       verifier_(options.verification, camera_),
       tracks_(options.track_depths, camera_),
+      stereo_(options.motion_stereo, camera_),
       policy_(options.map_spacing_m, options.map_spacing_deg),
       places_(options.place, options.scoring, options.candidates, vocabulary),
       shelf_(options.views, options.features, &verifier_, &places_),
@@ -65,6 +67,7 @@ KeyframeReport LoopCloserImpl::AddKeyframe(const KeyframeInput& input) {
   report.is_new_sequence = StartsSequence(input);
   NewKeyframe current = Describe(input, report.is_new_sequence, &report.times);
   Append(input, &report);
+  Triangulate(&current, &report.times);
   TakeDueSolution(&report);
   FindLoops(FindCandidates(current, &report), current, &report);
   report.reason = ReasonOf(report);
@@ -108,6 +111,7 @@ LoopCloserImpl::NewKeyframe LoopCloserImpl::Describe(const KeyframeInput& input,
     const StepTimer timer(&times->features);
     if (is_new_sequence) {
       tracks_.Clear();
+      stereo_.Restart();
     }
     f.T_B_C = T_B_C_;
     std::vector<cv::Point2f> pixels;
@@ -139,6 +143,27 @@ void LoopCloserImpl::Append(const KeyframeInput& input, KeyframeReport* report) 
   report->index = keyframes_.Add(std::move(keyframe), sequence, input.T_W_B);
   report->sequence = sequence;
   starts_sequence_ = false;
+}
+
+void LoopCloserImpl::Triangulate(NewKeyframe* current, KeyframeTimes* times) {
+  const StepTimer timer(&times->features);
+  if (options_.motion_stereo.recent == 0) {
+    return;
+  }
+  const int newest = keyframes_.newest();
+  KeyframeFeatures& f = current->features;
+  const auto images = stereo_.Add(newest,
+                                  keyframes_.node(newest).T_W_B * f.T_B_C,
+                                  MakeCornerView(f.keypoints, f.descriptors, *camera_),
+                                  MedianDepth(f));
+  for (const MotionStereo::Image* image : images) {
+    if (image->id == newest || keyframes_[image->id].is_place) {
+      ReplaceOwnPoints(image->view,
+                       *camera_,
+                       options_.motion_stereo,
+                       image->id == newest ? &f : &keyframes_.features(image->id));
+    }
+  }
 }
 
 void LoopCloserImpl::TakeDueSolution(KeyframeReport* report) {

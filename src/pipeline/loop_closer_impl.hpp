@@ -3,6 +3,7 @@
 #include "deja_view/features/feature_extractor.hpp"
 #include "deja_view/pipeline/loop_closer_options.hpp"
 #include "deja_view/pipeline/loop_closer_types.hpp"
+#include "deja_view/triangulation/motion_stereo.hpp"
 #include "deja_view/verification/loop_verifier.hpp"
 
 #include <filesystem>
@@ -58,6 +59,8 @@ class LoopCloserImpl {
   bool StartsSequence(const KeyframeInput& input) const;
   NewKeyframe Describe(const KeyframeInput& input, bool is_new_sequence, KeyframeTimes* times);
   void Append(const KeyframeInput& input, KeyframeReport* report);
+  /// Makes points of corners, of the new keyframe and of the places lately passed.
+  void Triangulate(NewKeyframe* current, KeyframeTimes* times);
   void TakeDueSolution(KeyframeReport* report);
   std::vector<Candidate> FindCandidates(const NewKeyframe& current, KeyframeReport* report) const;
   void FindLoops(const std::vector<Candidate>& candidates,
@@ -92,6 +95,7 @@ class LoopCloserImpl {
   std::unique_ptr<FeatureExtractor> extractor_;
   LoopVerifier verifier_;
   TrackDepths tracks_;
+  MotionStereo stereo_;
   PlacePolicy policy_;
   PlaceFinder places_;
   ViewShelf shelf_;

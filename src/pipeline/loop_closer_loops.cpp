@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "loop_closer_impl.hpp"
+#include "own_points.hpp"
 #include "step_timer.hpp"
 
 namespace deja_view {
@@ -103,12 +104,12 @@ Relocalisation LoopCloserImpl::MakeRelocalisation(const LoopReport& loop,
   result.old = loop.old;
   result.T_M_Bold = keyframes_.node(loop.old).T_M_B();
   for (const PointMatch& match : verification.point_matches) {
+    const std::int64_t id = current.features.point_ids[static_cast<std::size_t>(match.point)];
     const Eigen::Vector2f& pixel =
         keyframes_[loop.old].features.keypoints[static_cast<std::size_t>(match.keypoint)];
     const Eigen::Vector3d bearing = camera_->Unproject(pixel.cast<double>());
-    if (bearing.z() > 1e-3) {
-      result.points.push_back({current.features.point_ids[static_cast<std::size_t>(match.point)],
-                               bearing.hnormalized()});
+    if (id != kOwnPoint && bearing.z() > 1e-3) {  // it knows only its own tracks
+      result.points.push_back({id, bearing.hnormalized()});
     }
   }
   return result;

@@ -66,6 +66,7 @@ std::vector<std::string> LoopCloserOptions::Validate() const {
   r.Group("scoring", scoring.Validate());
   r.Group("pose_graph", pose_graph.Validate());
   r.Group("views", views.Validate());
+  r.Group("motion_stereo", motion_stereo.Validate());
   r.Group("candidates", candidates.Validate());
   r.Group("solve", solve.Validate());
   r.That(map_spacing_m >= 0, "map_spacing_m", map_spacing_m, "at least 0");

@@ -5,6 +5,7 @@
 #include "deja_view/place/scored_places.hpp"
 #include "deja_view/pose_graph/loop_consistency.hpp"
 #include "deja_view/pose_graph/pose_graph.hpp"
+#include "deja_view/triangulation/motion_stereo.hpp"
 #include "deja_view/verification/loop_verifier.hpp"
 
 #include <string>
@@ -138,6 +139,8 @@ struct LoopCloserOptions {
   double max_speed_mps =
       40.0;  ///< [m/s] a faster jump between keyframes means that the VIO started anew
   TrackDepthOptions track_depths;
+  /// Points of the keyframes' own corners, beside those that the VIO tracks.
+  MotionStereoOptions motion_stereo;
 
   /// Kind of offline features that make a view's images needless; empty: none does.
   std::string SufficientViewFeatures() const;
@@ -153,6 +156,7 @@ struct LoopCloserOptions {
     v("pose_graph", pose_graph);
     v("solve", solve);
     v("views", views);
+    v("motion_stereo", motion_stereo);
     v("add_places", add_places);
     v("map_spacing_m", map_spacing_m);
     v("map_spacing_deg", map_spacing_deg);
