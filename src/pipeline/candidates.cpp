@@ -100,10 +100,11 @@ std::vector<Candidate> CandidatesNearby(const std::vector<NearbyPlace>& places,
                                         const CandidateOptions& options) {
   const double min_cosine = std::cos(options.nearby_angle_deg * kDegree);
   const double max_squared = options.nearby_distance_m * options.nearby_distance_m;
+  const Eigen::Vector3d axis_M = current.axis_M();
   std::vector<Candidate> found;  // score: minus the cost, for sorting only
   for (const NearbyPlace& place : places) {
-    const double squared = (place.position_M - current.position_M).squaredNorm();
-    const double cosine = place.axis_M.dot(current.axis_M);
+    const double squared = (place.T_M_C.t - current.T_M_C.t).squaredNorm();
+    const double cosine = place.axis_M().dot(axis_M);
     if (squared < max_squared && cosine > min_cosine) {
       const double angle = std::acos(std::min(1.0, cosine)) / (options.nearby_angle_deg * kDegree);
       found.push_back({place.keyframe, -(std::sqrt(squared / max_squared) + angle)});

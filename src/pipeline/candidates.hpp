@@ -36,8 +36,9 @@ std::vector<std::vector<RetrievedPlace>> GroupIntoIslands(
 /// Old keyframes whose corrected camera pose is near the current one's.
 struct NearbyPlace {
   int keyframe = -1;
-  Eigen::Vector3d position_M = Eigen::Vector3d::Zero();  ///< [m]
-  Eigen::Vector3d axis_M = Eigen::Vector3d::UnitZ();     ///< unit, the camera's z
+  Rigid3 T_M_C;  ///< [m]
+
+  Eigen::Vector3d axis_M() const { return T_M_C.q * Eigen::Vector3d::UnitZ(); }
 };
 
 /// The nearest `options.nearby` keyframes, best first: distance over its limit plus angle over its

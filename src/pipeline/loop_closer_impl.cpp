@@ -47,7 +47,7 @@ LoopCloserImpl::LoopCloserImpl(const LoopCloserOptions& options,
       verifier_(options.verification, camera_),
       tracks_(options.track_depths, camera_),
       stereo_(options.motion_stereo, camera_),
-      policy_(options.map_spacing_m, options.map_spacing_deg),
+      policy_(options.map_spacing_m, options.map_spacing_deg, options.map_cover, camera_),
       places_(options.place, options.scoring, options.candidates, vocabulary),
       shelf_(options.views, options.features, &verifier_, &places_),
       keyframes_(options.pose_graph),
@@ -174,7 +174,8 @@ void LoopCloserImpl::TakeDueSolution(KeyframeReport* report) {
 void LoopCloserImpl::BecomePlace(NewKeyframe current, KeyframeTimes* times) {
   const StepTimer timer(&times->words);
   const int index = keyframes_.newest();
-  if (options_.add_places && policy_.IsNewPlace(CameraOf(index), CamerasAround(false))) {
+  if (options_.add_places &&
+      policy_.IsNewPlace(CameraOf(index), current.features, CamerasAround(false))) {
     keyframes_.MakePlace(std::move(current.features));
     places_.Add(
         index, keyframes_.node(index).sequence, keyframes_[index].stamp_ns, current.words.bow);

@@ -13,14 +13,10 @@ namespace {
 
 constexpr double kLocalisedSeconds = 5.0;  // how long the corrected pose is the better guess
 
-NearbyPlace ToPlace(int keyframe, const Rigid3& T_M_C) {
-  return {keyframe, T_M_C.t, T_M_C.q * Eigen::Vector3d::UnitZ()};
-}
-
 }  // namespace
 
 NearbyPlace LoopCloserImpl::CameraOf(int keyframe) const {
-  return ToPlace(keyframe, keyframes_.T_M_C(keyframe));
+  return {keyframe, keyframes_.T_M_C(keyframe)};
 }
 
 std::vector<NearbyPlace> LoopCloserImpl::CamerasAround(bool with_views) const {
@@ -30,11 +26,11 @@ std::vector<NearbyPlace> LoopCloserImpl::CamerasAround(bool with_views) const {
       continue;
     }
     const Rigid3 T_M_C = keyframes_.T_M_C(place);
-    cameras.push_back(ToPlace(place, T_M_C));
+    cameras.push_back({place, T_M_C});
     // A virtual camera is a place from which its keyframe knows the hall, too.
     if (with_views) {
       for (const StoredView& view : shelf_.Of(place)) {
-        cameras.push_back(ToPlace(place, T_M_C * view.T_C_V));
+        cameras.push_back({place, T_M_C * view.T_C_V});
       }
     }
   }

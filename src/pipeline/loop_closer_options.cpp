@@ -3,6 +3,8 @@
 #include "deja_view/base/enum_names.hpp"
 #include "deja_view/base/requirements.hpp"
 
+#include <cmath>
+
 namespace deja_view {
 
 std::vector<std::string> CandidateOptions::Validate() const {
@@ -38,6 +40,14 @@ std::vector<std::string> TrackDepthOptions::Validate() const {
   return r.errors();
 }
 
+std::vector<std::string> PlaceCoverOptions::Validate() const {
+  Requirements r;
+  r.Range("min_share", min_share, 0, 1);
+  r.That(max_angle_deg > 0, "max_angle_deg", max_angle_deg, "more than 0");
+  r.That(max_scale > 1, "max_scale", max_scale, "more than 1");
+  return r.errors();
+}
+
 std::vector<std::string> VirtualViewOptions::Validate() const {
   Requirements r;
   r.That(keep >= 0, "keep", keep, "at least 0");
@@ -69,7 +79,8 @@ std::vector<std::string> LoopCloserOptions::Validate() const {
   r.Group("motion_stereo", motion_stereo.Validate());
   r.Group("candidates", candidates.Validate());
   r.Group("solve", solve.Validate());
-  r.That(map_spacing_m >= 0, "map_spacing_m", map_spacing_m, "at least 0");
+  r.Group("map_cover", map_cover.Validate());
+  r.That(!std::isnan(map_spacing_m), "map_spacing_m", map_spacing_m, "a number");
   r.That(map_spacing_deg > 0, "map_spacing_deg", map_spacing_deg, "more than 0");
   r.That(max_speed_mps > 0, "max_speed_mps", max_speed_mps, "more than 0");
   for (const std::string& error : track_depths.Validate()) {  // no group in the file either

@@ -114,14 +114,19 @@ std::vector<RetrievedPlace> PlaceFinder::RetrieveFast(const ImageWords& words,
 std::vector<RetrievedPlace> PlaceFinder::RetrieveScored(const ImageWords& words,
                                                         int newest,
                                                         std::optional<BestPlace>* best) const {
+  const auto judged = static_cast<std::size_t>(scoring_.neighbours);
+  const auto offered = static_cast<std::size_t>(options_.retrieved);
   std::vector<RetrievedPlace> retrieved;
   for (const ScoredPlace& place :
-       scored_->Query(words.weighted, newest, static_cast<std::size_t>(scoring_.neighbours))) {
+       scored_->Query(words.weighted, newest, std::max(judged, offered))) {
     retrieved.push_back(Retrieved(place.id, place.score));
   }
+  const std::vector<RetrievedPlace> neighbours(
+      retrieved.begin(),
+      retrieved.begin() + static_cast<std::ptrdiff_t>(std::min(judged, retrieved.size())));
   const double own = OwnScore(words.weighted);
   std::vector<RetrievedPlace> passed;
-  for (const auto& island : GroupIntoIslands(retrieved, options_.island_gap_s)) {
+  for (const auto& island : GroupIntoIslands(neighbours, options_.island_gap_s)) {
     std::vector<double> scores;
     scores.reserve(island.size());
     for (const RetrievedPlace& place : island) {
@@ -135,7 +140,7 @@ std::vector<RetrievedPlace> PlaceFinder::RetrieveScored(const ImageWords& words,
       passed.insert(passed.end(), island.begin(), island.end());
     }
   }
-  return passed;
+  return scoring_.r > 0 ? passed : retrieved;
 }
 
 double PlaceFinder::OwnScore(const WeightedBow& words) const {

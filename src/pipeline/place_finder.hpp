@@ -85,7 +85,8 @@ class PlaceFinder {
   std::vector<RetrievedPlace> RetrieveFast(const ImageWords& words,
                                            int newest,
                                            std::optional<BestPlace>* best) const;
-  /// Retrieves and judges islands by the paper's scores.
+  /// Retrieves by the paper's scores. With a threshold r only islands of the nearest few neighbours
+  /// that reach it; without, all that a query by L1 would offer, and geometry decides.
   std::vector<RetrievedPlace> RetrieveScored(const ImageWords& words,
                                              int newest,
                                              std::optional<BestPlace>* best) const;

@@ -119,6 +119,22 @@ struct VirtualViewOptions {
   std::vector<std::string> Validate() const;
 };
 
+/// When a keyframe sees what no place has seen from where it is: a place covers a point that falls
+/// into its image from about the same direction and distance.
+struct PlaceCoverOptions {
+  double min_share = 0.7;      ///< of a keyframe's points that one place must cover to stand for it
+  double max_angle_deg = 8.0;  ///< [deg] between the two cameras' rays to a point
+  double max_scale = 1.25;     ///< of their distances to it, the larger over the smaller
+
+  template <typename Visitor>
+  void Visit(Visitor& v) {
+    v("min_share", min_share);
+    v("max_angle_deg", max_angle_deg);
+    v("max_scale", max_scale);
+  }
+  std::vector<std::string> Validate() const;
+};
+
 /// Everything that LoopCloser can be told; `Validate` lists all violations at once.
 struct LoopCloserOptions {
   FeatureOptions features;
@@ -132,10 +148,12 @@ struct LoopCloserOptions {
   VirtualViewOptions views;
   /// False: keyframes only look for the places of a loaded map, and become none themselves.
   bool add_places = true;
-  /// A keyframe becomes a place to recognise only when the map has none within this distance and
-  /// angle; 0: every keyframe does.
-  double map_spacing_m = 0.5;
+  /// A keyframe becomes a place to recognise only where the map lacks one: below 0, none that
+  /// covers what it sees (map_cover); else none within this distance and angle; 0: every keyframe
+  /// does.
+  double map_spacing_m = -1.0;
   double map_spacing_deg = 30.0;
+  PlaceCoverOptions map_cover;
   double max_speed_mps =
       40.0;  ///< [m/s] a faster jump between keyframes means that the VIO started anew
   TrackDepthOptions track_depths;
@@ -160,6 +178,7 @@ struct LoopCloserOptions {
     v("add_places", add_places);
     v("map_spacing_m", map_spacing_m);
     v("map_spacing_deg", map_spacing_deg);
+    v("map_cover", map_cover);
     v("max_speed_mps", max_speed_mps);
     track_depths.Visit(v);
   }

@@ -1,6 +1,6 @@
 #include "candidates.hpp"
 
-#include <cmath>
+#include "deja_view/base/angles.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -72,8 +72,9 @@ TEST(CandidatesFromIslands, NothingComesOfNothing) {
 }
 
 NearbyPlace At(int keyframe, double x, double yaw_deg) {
-  const double yaw = yaw_deg * 3.14159265358979323846 / 180.0;
-  return {keyframe, {x, 0, 0}, {std::cos(yaw), std::sin(yaw), 0}};
+  const Eigen::Quaterniond forward =
+      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX());
+  return {keyframe, {FromYaw(ToRadians(yaw_deg)) * forward, {x, 0, 0}}};
 }
 
 TEST(CandidatesNearby, NearestInDistanceAndAngleFirst) {

@@ -1,9 +1,7 @@
 #include "place_finder.hpp"
 
-#include "deja_view/base/angles.hpp"
 #include "deja_view/base/check.hpp"
 
-#include <cmath>
 #include <random>
 
 #include "random_vocabulary.hpp"
@@ -35,7 +33,7 @@ BowVector WordsOf(int place) {
 }
 
 NearbyPlace At(int keyframe, double x) {
-  return {keyframe, {x, 0, 0}, Eigen::Vector3d::UnitX()};
+  return {keyframe, {Eigen::Quaterniond::Identity(), {x, 0, 0}}};
 }
 
 std::vector<int> Keyframes(const FoundPlaces& found) {
@@ -186,6 +184,17 @@ TEST_P(ScoredPlaceFinder, IslandsBelowTheThresholdAreNoCandidates) {
   EXPECT_EQ(some.best->score, all.best->score) << "told whether or not it suffices";
   scoring_.r = 1.1;
   EXPECT_THAT(Find(WithPlaces(), 6, 60).candidates, IsEmpty());
+}
+
+TEST_P(ScoredPlaceFinder, WithoutAThresholdAllAreOfferedThatL1WouldOffer) {
+  scoring_.neighbours = 2;
+  const FoundPlaces all = Find(WithPlaces(), 6, 60);
+  scoring_.r = 1e-9;
+  const FoundPlaces judged = Find(WithPlaces(), 6, 60);
+  scoring_.is_on = false;
+  EXPECT_EQ(all.candidates.size(), Find(WithPlaces(), 6, 60).candidates.size());
+  EXPECT_EQ(judged.candidates.size(), 2U);
+  EXPECT_EQ(judged.best->score, all.best->score) << "the same neighbours are judged";
 }
 
 INSTANTIATE_TEST_SUITE_P(Scores, ScoredPlaceFinder, testing::Values(true));
