@@ -11,6 +11,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   deja_view::Command command;
 #ifdef DEJA_VIEW_WITH_ROS
+  deja_view::AddBundleCommand(app, &command);
   deja_view::AddEvaluateCommand(app, &command);
   deja_view::AddReplayCommand(app, &command);
   deja_view::AddViewsCommand(app, &command);
