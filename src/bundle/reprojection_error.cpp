@@ -4,9 +4,6 @@
 
 #include <algorithm>
 
-#include "camera_block.hpp"
-#include "delta_rotation.hpp"
-
 namespace deja_view::internal {
 namespace {
 
@@ -38,60 +35,69 @@ void ReprojectionError::SetUnseen(double* residuals, double** jacobians) const {
   }
 }
 
-bool ReprojectionError::Evaluate(double const* const* parameters,
-                                 double* residuals,
-                                 double** jacobians) const {
-  const ImageReference& ref = reference_;
-  const DeltaRotation body(parameters[kBody]);
-  const DeltaRotation mount(parameters[kExtrinsics]);
+ReprojectionError::Chain::Chain(const ImageReference& reference, double const* const* parameters)
+    : body(parameters[kBody]),
+      mount(parameters[kExtrinsics]),
+      R_B_W((body.R * reference.R_W_B).transpose()),
+      R_C_B((mount.R * reference.R_B_C).transpose()) {
   const double dt = *parameters[kTimeOffset];
   const Eigen::Map<const Eigen::Vector3d> t_W_B(parameters[kBody] + 3);
   const Eigen::Map<const Eigen::Vector3d> p_W(parameters[kPoint]);
   const Eigen::Map<const Eigen::Vector3d> t_B_C(parameters[kExtrinsics] + 3);
-  const Eigen::Matrix3d R_B_W = (body.R * ref.R_W_B).transpose();
-  const Eigen::Matrix3d R_C_B = (mount.R * ref.R_B_C).transpose();
-  const Eigen::Vector3d turn = -dt * ref.angular_velocity_B;
-  const Eigen::Matrix3d R_turn =
-      dt == 0 ? Eigen::Matrix3d(Eigen::Matrix3d::Identity()) : DeltaRotation(turn.data()).R;
+  v_W = p_W - t_W_B - dt * reference.velocity_W;
+  if (dt != 0) {
+    const Eigen::Vector3d turn = -dt * reference.angular_velocity_B;
+    R_B_W = (DeltaRotation(turn.data()).R * R_B_W).eval();
+  }
+  p_B = R_B_W * v_W;
+  lever_B = p_B - t_B_C;
+}
 
-  const Eigen::Vector3d v_W = p_W - t_W_B - dt * ref.velocity_W;
-  const Eigen::Vector3d p_B = R_turn * (R_B_W * v_W);
-  const Eigen::Vector3d lever_B = p_B - t_B_C;
+bool ReprojectionError::Evaluate(double const* const* parameters,
+                                 double* residuals,
+                                 double** jacobians) const {
+  const Chain chain(reference_, parameters);
   const bool differentiate = jacobians != nullptr;
   const auto block = [&](Block b) { return differentiate ? jacobians[b] : nullptr; };
   Camera::ProjectionJacobian J_pi;
-  const auto pixel = ref.camera->Project(parameters[kProjection],
-                                         parameters[kDistortion],
-                                         R_C_B * lever_B,
-                                         differentiate ? &J_pi : nullptr,
-                                         block(kProjection),
-                                         block(kDistortion));
+  const auto pixel = reference_.camera->Project(parameters[kProjection],
+                                                parameters[kDistortion],
+                                                chain.R_C_B * chain.lever_B,
+                                                differentiate ? &J_pi : nullptr,
+                                                block(kProjection),
+                                                block(kDistortion));
   if (!pixel) {
     SetUnseen(residuals, jacobians);
     return true;
   }
   Eigen::Map<Eigen::Vector2d>{residuals} = inverse_sigma_ * (*pixel - pixel_);
-  if (!differentiate) {
-    return true;
+  if (differentiate) {
+    SetJacobians(chain, J_pi, jacobians);
   }
-  const Eigen::Matrix<double, 2, 3> J_body_frame = inverse_sigma_ * J_pi * R_C_B;
-  const Eigen::Matrix<double, 2, 3> J_world = J_body_frame * R_turn * R_B_W;
+  return true;
+}
+
+void ReprojectionError::SetJacobians(const Chain& chain,
+                                     const Camera::ProjectionJacobian& J_pi,
+                                     double** jacobians) const {
+  const Eigen::Matrix<double, 2, 3> J_B = inverse_sigma_ * J_pi * chain.R_C_B;
+  const Eigen::Matrix<double, 2, 3> J_W = J_B * chain.R_B_W;
   if (jacobians[kBody] != nullptr) {
     auto J = Map2<6>(jacobians[kBody]);
-    J.leftCols<3>() = J_world * Skew(v_W) * body.J;
-    J.rightCols<3>() = -J_world;
+    J.leftCols<3>() = J_W * Skew(chain.v_W) * chain.body.J;
+    J.rightCols<3>() = -J_W;
   }
   if (jacobians[kPoint] != nullptr) {
-    Map2<3>(jacobians[kPoint]) = J_world;
+    Map2<3>(jacobians[kPoint]) = J_W;
   }
   if (jacobians[kExtrinsics] != nullptr) {
     auto J = Map2<6>(jacobians[kExtrinsics]);
-    J.leftCols<3>() = J_body_frame * Skew(lever_B) * mount.J;
-    J.rightCols<3>() = -J_body_frame;
+    J.leftCols<3>() = J_B * Skew(chain.lever_B) * chain.mount.J;
+    J.rightCols<3>() = -J_B;
   }
   if (jacobians[kTimeOffset] != nullptr) {
     Eigen::Map<Eigen::Vector2d>{jacobians[kTimeOffset]} =
-        -J_body_frame * ref.angular_velocity_B.cross(p_B) - J_world * ref.velocity_W;
+        -J_B * reference_.angular_velocity_B.cross(chain.p_B) - J_W * reference_.velocity_W;
   }
   for (const Block b : {kProjection, kDistortion}) {
     if (jacobians[b] != nullptr) {
@@ -99,7 +105,6 @@ bool ReprojectionError::Evaluate(double const* const* parameters,
           inverse_sigma_;
     }
   }
-  return true;
 }
 
 }  // namespace deja_view::internal

@@ -1,11 +1,11 @@
 #pragma once
 
+#include "camera_block.hpp"
+#include "delta_rotation.hpp"
 #include <Eigen/Core>
 #include <ceres/cost_function.h>
 
 namespace deja_view::internal {
-
-class CameraBlock;
 
 /// What the observations of an image have in common. Rotations are references that the solver's
 /// rotation vectors turn: R_W_B = Exp(w) R_W_B_reference.
@@ -37,6 +37,22 @@ class ReprojectionError : public ceres::CostFunction {
                 double** jacobians) const override;
 
  private:
+  /// The way from the point to the camera at some parameters.
+  struct Chain {
+    Chain(const ImageReference& reference, double const* const* parameters);
+
+    DeltaRotation body;
+    DeltaRotation mount;
+    Eigen::Matrix3d R_B_W;  ///< when the image is taken
+    Eigen::Matrix3d R_C_B;
+    Eigen::Vector3d v_W;      ///< [m] from the body to the point
+    Eigen::Vector3d p_B;      ///< [m]
+    Eigen::Vector3d lever_B;  ///< [m] from the camera to the point
+  };
+
+  void SetJacobians(const Chain& chain,
+                    const Camera::ProjectionJacobian& J_pi,
+                    double** jacobians) const;
   void SetUnseen(double* residuals, double** jacobians) const;
 
   const ImageReference& reference_;

@@ -27,6 +27,13 @@ struct BundleSceneOptions {
   std::uint64_t seed = 1;
 };
 
+inline BundleSceneOptions SceneOf(int images, int points) {
+  BundleSceneOptions options;
+  options.images = images;
+  options.points = points;
+  return options;
+}
+
 /// A flight twice round a room, its images' corners, and an odometry that drifts.
 struct BundleScene {
   BundleProblem problem;      ///< at the odometry's poses, without priors

@@ -30,7 +30,7 @@ struct BundleCameraSigmas {
   double distortion = 0.05;      ///< each coefficient
   double extrinsic_m = 0.02;     ///< per axis
   double extrinsic_deg = 1.0;    ///< per axis
-  double time_offset_s = 0.010;  ///<
+  double time_offset_s = 0.010;  ///< [s]
 
   /// Violations, one line each; empty when all is well.
   std::vector<std::string> Validate() const;
@@ -58,7 +58,7 @@ struct BundleOptions {
   // Per round from the first to the last, which the tolerances approach geometrically.
   int rounds = 4;
   double first_error_px = 8.0;  ///< epipolar distance, reprojection error and search radius
-  double last_error_px = 2.5;   ///<
+  double last_error_px = 2.5;   ///< [px]
   // Points.
   double min_parallax_deg = 1.5;  ///< between two rays of a point
   int min_views = 3;              ///< images that see a point

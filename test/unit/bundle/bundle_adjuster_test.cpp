@@ -14,6 +14,7 @@ namespace {
 using test::BundleScene;
 using test::BundleSceneOptions;
 using test::MakeBundleScene;
+using test::SceneOf;
 using ::testing::HasSubstr;
 using Motion = BundleSceneOptions::Motion;
 
@@ -58,7 +59,7 @@ TEST(AdjustBundle, TakesTheDriftOutOfAFlight) {
 TEST(AdjustBundle, GivesTheSameBitsOnAnyNumberOfThreads) {
   std::vector<BundleScene> scenes;
   for (const int threads : {1, 3}) {
-    BundleScene scene = MakeBundleScene({.images = 30, .points = 400});
+    BundleScene scene = MakeBundleScene(SceneOf(30, 400));
     scene.AddOdometryPriors();
     BundleOptions options = Options();
     options.threads = threads;
@@ -78,7 +79,9 @@ TEST(AdjustBundle, GivesTheSameBitsOnAnyNumberOfThreads) {
 }
 
 TEST(AdjustBundle, LearnsTheLens) {
-  BundleScene scene = MakeBundleScene({.yaw_noise_deg = 0.03});
+  BundleSceneOptions scene_options;
+  scene_options.yaw_noise_deg = 0.03;
+  BundleScene scene = MakeBundleScene(scene_options);
   PinholeParameters lens = test::BundleLens();
   lens.fx *= 1.01;
   lens.fy *= 1.01;
@@ -120,7 +123,9 @@ TEST(AdjustBundle, LearnsWhenTheImagesAreTaken) {
 }
 
 TEST(AdjustBundle, UsesTracksThatJump) {
-  BundleScene scene = MakeBundleScene({.has_tracks = true});
+  BundleSceneOptions scene_options;
+  scene_options.has_tracks = true;
+  BundleScene scene = MakeBundleScene(scene_options);
   for (BundleImage& image : scene.problem.images) {
     // From the middle of the flight on, tracks are those of other corners.
     for (std::int64_t& id : image.track_ids) {
@@ -151,7 +156,10 @@ TEST(AdjustBundle, LeavesAnImageWithoutCornersToItsPriors) {
 
 TEST(AdjustBundle, RefusesADroneThatStandsOrOnlyTurns) {
   for (const Motion motion : {Motion::kStand, Motion::kTurn}) {
-    BundleScene scene = MakeBundleScene({.motion = motion, .images = 30, .step_noise_m = 0.0005});
+    BundleSceneOptions scene_options = SceneOf(30, 900);
+    scene_options.motion = motion;
+    scene_options.step_noise_m = 0.0005;
+    BundleScene scene = MakeBundleScene(scene_options);
     scene.AddOdometryPriors();
     const BundleSummary summary = AdjustBundle(Options(), &scene.problem);
     EXPECT_THAT(summary.obstacle, HasSubstr("parallax"));
@@ -161,20 +169,20 @@ TEST(AdjustBundle, RefusesADroneThatStandsOrOnlyTurns) {
 }
 
 TEST(AdjustBundle, RefusesTooFewPoints) {
-  BundleScene scene = MakeBundleScene({.images = 30, .points = 15});
+  BundleScene scene = MakeBundleScene(SceneOf(30, 15));
   scene.AddOdometryPriors();
   EXPECT_THAT(AdjustBundle(Options(), &scene.problem).obstacle, HasSubstr("see 10 points"));
   ExpectUntouched(scene);
 }
 
 TEST(AdjustBundle, RefusesWhatHasNoScale) {
-  BundleScene scene = MakeBundleScene({.images = 30, .points = 400});
+  BundleScene scene = MakeBundleScene(SceneOf(30, 400));
   EXPECT_THAT(AdjustBundle(Options(), &scene.problem).obstacle, HasSubstr("scale"));
   ExpectUntouched(scene);
 }
 
 TEST(AdjustBundle, RefusesPiecesThatNothingConnects) {
-  BundleScene scene = MakeBundleScene({.images = 40, .points = 500});
+  BundleScene scene = MakeBundleScene(SceneOf(40, 500));
   scene.AddOdometryPriors();
   scene.problem.relative_priors.erase(scene.problem.relative_priors.begin() + 19);
   for (std::size_t i = 20; i < 40; ++i) {
@@ -189,7 +197,7 @@ TEST(AdjustBundle, RefusesPiecesThatNothingConnects) {
 }
 
 TEST(AdjustBundle, ChecksItsInput) {
-  BundleScene scene = MakeBundleScene({.images = 5, .points = 50});
+  BundleScene scene = MakeBundleScene(SceneOf(5, 50));
   scene.AddOdometryPriors();
   BundleOptions options = Options();
   options.rounds = 0;

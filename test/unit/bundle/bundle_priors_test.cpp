@@ -14,7 +14,7 @@ TEST(BundlePriors, DefaultsAreValidAndZeroSigmasAreNot) {
 }
 
 TEST(BundlePriors, OdometryConnectsTheImagesOfASequence) {
-  test::BundleScene scene = test::MakeBundleScene({.images = 4, .points = 1});
+  test::BundleScene scene = test::MakeBundleScene(test::SceneOf(4, 1));
   BundlePriorOptions options;
   AddOdometryPriors(options, scene.T_vio, {0, 0, 1, 1}, &scene.problem);
   ASSERT_EQ(scene.problem.relative_priors.size(), 2U);

@@ -10,8 +10,10 @@ namespace {
 
 /// A small scene with true points in place.
 test::BundleScene SmallScene() {
-  test::BundleScene scene =
-      test::MakeBundleScene({.images = 6, .points = 60, .step_noise_m = 0, .yaw_noise_deg = 0});
+  test::BundleSceneOptions options = test::SceneOf(6, 60);
+  options.step_noise_m = 0;
+  options.yaw_noise_deg = 0;
+  test::BundleScene scene = test::MakeBundleScene(options);
   scene.AddPosePriors();
   std::vector<BundlePoint> points(scene.points.size());
   for (int i = 0; i < 6; ++i) {
