@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
 #ifdef DEJA_VIEW_WITH_LAB
   deja_view::AddApeCommand(app, &command);
 #ifdef DEJA_VIEW_WITH_ROS
+  deja_view::AddBundleCommand(app, &command);
   deja_view::AddEvaluateCommand(app, &command);
 #endif
   deja_view::AddReportCommand(app, &command);

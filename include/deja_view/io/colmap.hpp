@@ -19,6 +19,12 @@ bool IsColmapModel(const std::filesystem::path& directory);
 /// finite, and quaternions whose norm is off by more than 1e-2.
 ColmapModel ReadColmapModel(const std::filesystem::path& directory);
 
+/// Writes cameras.txt, images.txt and points3D.txt, each whole or not at all: what ReadColmapModel
+/// reads. Every observation's point must be in `model.points`; tracks are those of the
+/// observations. Throws InputError for a camera that COLMAP has no model for (MEI), and where a
+/// file can't be written.
+void WriteColmapModel(const ColmapModel& model, const std::filesystem::path& directory);
+
 /// The cameras' poses T_W_C by the stamps that the images' names say (ParseImageStamp). Throws
 /// InputError that names an image whose name says none, or two with the same stamp.
 Trajectory ToTrajectory(const ColmapModel& model);

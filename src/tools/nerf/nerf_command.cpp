@@ -81,14 +81,6 @@ void AddImageOptions(CLI::App* sub, NerfInput* input) {
       ->check(CLI::PositiveNumber);
 }
 
-void AddInputOptions(CLI::App* sub, NerfInput* input) {
-  AddSourceOptions(sub, input);
-  sub->add_flag("--skip-missing",
-                input->skip_missing,
-                "Leave out images without a pose and poses without an image");
-  AddImageOptions(sub, input);
-}
-
 void AddTrainOptions(CLI::App* sub, fs::path* config, std::vector<std::string>* overrides) {
   sub->add_option("--config", *config, "YAML with training options")->check(CLI::ExistingFile);
   sub->add_option("--set", *overrides, "Override of an option: group.key=value")->take_all();
@@ -128,7 +120,7 @@ void AddTrain(CLI::App* nerf, Command* command) {
   CLI::App* sub = nerf->add_subcommand("train", "Train a radiance field on posed images");
   auto request = std::make_shared<NerfTrainRequest>();
   auto json_file = std::make_shared<std::string>();
-  AddInputOptions(sub, &request->input);
+  AddNerfInputOptions(sub, &request->input);
   AddCommonOptions(sub, request.get(), json_file.get());
   AddTrainOptions(sub, &request->config, &request->overrides);
   sub->add_option("--box", request->box, "The scene: min x y z, max x y z [m]")->expected(6);
@@ -173,7 +165,7 @@ void AddEval(CLI::App* nerf, Command* command) {
   CLI::App* sub = nerf->add_subcommand("eval", "Compare renders with held-out images");
   auto request = std::make_shared<NerfEvalRequest>();
   auto json_file = std::make_shared<std::string>();
-  AddInputOptions(sub, &request->input);
+  AddNerfInputOptions(sub, &request->input);
   AddCommonOptions(sub, request.get(), json_file.get());
   sub->add_option("--model", request->model, "Model file")->required()->check(CLI::ExistingFile);
   sub->add_option("--pictures", request->pictures, "Directory for real | rendered | difference");
@@ -317,6 +309,14 @@ void AddInfo(CLI::App* nerf, Command* command) {
 }
 
 }  // namespace
+
+void AddNerfInputOptions(CLI::App* sub, NerfInput* input) {
+  AddSourceOptions(sub, input);
+  sub->add_flag("--skip-missing",
+                input->skip_missing,
+                "Leave out images without a pose and poses without an image");
+  AddImageOptions(sub, input);
+}
 
 void AddNerfCommand(CLI::App& app, Command* command) {
   CLI::App* nerf = app.add_subcommand(

@@ -8,6 +8,10 @@
 #include "nerf/nerf_input.hpp"
 #include <nlohmann/json.hpp>
 
+namespace CLI {
+class App;
+}
+
 namespace deja_view {
 
 /// What `deja_view nerf train` is told.
@@ -80,6 +84,9 @@ struct NerfCompareRequest {
   std::filesystem::path pictures;  ///< directory for side-by-side pictures; empty: none
   bool show_progress = true;
 };
+
+/// Adds the options that say where posed images come from.
+void AddNerfInputOptions(CLI::App* sub, NerfInput* input);
 
 /// Trains a field and writes it; the schedule follows the clock unless `steps` is given, so that
 /// only then two runs give the same model. Ctrl-C leaves the model as it is, for `resume`. Returns

@@ -1,0 +1,50 @@
+#include "bundle/bundle_command.hpp"
+
+#include <iostream>
+#include <memory>
+
+#include "common/commands.hpp"
+#include "nerf/nerf_command.hpp"
+#include <fmt/format.h>
+
+namespace deja_view {
+void AddBundleCommand(CLI::App& app, Command* command) {
+  auto request = std::make_shared<BundleRequest>();
+  CLI::App* sub = app.add_subcommand(
+      "bundle", "Adjust poses, points and calibration of a flight or of posed images");
+  AddNerfInputOptions(sub, &request->input);
+  sub->add_flag_callback(
+      "--no-loops", [request] { request->use_loops = false; }, "Take a flight's poses as they are");
+  sub->add_option("--vocabulary", request->vocabulary, "For loops; default: the shipped one")
+      ->check(CLI::ExistingFile);
+  sub->add_option_function<std::vector<std::string>>(
+         "--refine",
+         [request](const std::vector<std::string>& parts) {
+           for (const std::string& part : parts) {
+             request->overrides.push_back(fmt::format("bundle.refine.{}=true", part));
+           }
+         },
+         "What of the cameras is adjusted: intrinsics, distortion, extrinsics, time_offset")
+      ->check(CLI::IsMember({"intrinsics", "distortion", "extrinsics", "time_offset"}));
+  sub->add_option("--config", request->config, "YAML with options")->check(CLI::ExistingFile);
+  sub->add_option("--set", request->overrides, "Override of an option: group.key=value")
+      ->take_all();
+  sub->add_option("--out", request->out, "Directory for poses.txt, colmap/ and bundle.json")
+      ->required();
+  sub->add_flag("--write-images",
+                request->write_images,
+                "Write a flight's keyframes to colmap/images, for nerf train --colmap");
+  sub->add_flag_callback(
+      "--quiet", [request] { request->show_progress = false; }, "No progress");
+  sub->footer(
+      "Without --poses, --bag is a flight with VINS-Mono's topics.\n"
+      "Example:\n  deja_view bundle --bag hall.bag --camera euroc.yaml --out hall_bundle");
+  sub->callback([=] {
+    *command = [=] {
+      std::cout << RunBundle(*request).dump(2) << "\n";
+      return 0;
+    };
+  });
+}
+
+}  // namespace deja_view

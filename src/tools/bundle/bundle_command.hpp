@@ -1,0 +1,65 @@
+#pragma once
+
+#include "deja_view/bundle/bundle_adjuster.hpp"
+#include "deja_view/bundle/bundle_priors.hpp"
+#include "deja_view/features/feature_options.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "nerf/nerf_input.hpp"
+#include <nlohmann/json.hpp>
+
+namespace deja_view {
+
+/// Everything that `deja_view bundle` can be told by --config and --set.
+struct BundleToolOptions {
+  BriefOptions features;
+  BundleOptions bundle;
+  BundlePriorOptions priors;
+
+  std::vector<std::string> Validate() const;
+
+  template <typename Visitor>
+  void Visit(Visitor& v) {
+    v("features", features);
+    v("bundle", bundle);
+    v("priors", priors);
+  }
+};
+
+/// What `deja_view bundle` is told.
+struct BundleRequest {
+  NerfInput input;        ///< posed images; or a flight: `bag` and `camera` without poses
+  bool use_loops = true;  ///< of a flight: close its loops first
+  std::filesystem::path vocabulary;  ///< for loops; empty: the shipped one
+  std::filesystem::path config;
+  std::vector<std::string> overrides;
+  std::filesystem::path out;
+  bool write_images = false;  ///< of a flight, beside its model
+  bool show_progress = true;
+
+  bool IsFlight() const;
+};
+
+/// A problem and what its images are called.
+struct BundleInput {
+  BundleProblem problem;
+  std::vector<std::string> names;  ///< of the images, within their folder
+  std::vector<std::string> warnings;
+};
+
+/// The keyframes of VINS-Mono's topics in a bag, with the VIO's tracks, its relative poses and
+/// gravity as priors, and the loops that a replay finds. Throws InputError.
+BundleInput ReadFlight(const BundleRequest& request, const BundleToolOptions& options);
+
+/// Images with given poses, which become priors. Throws InputError.
+BundleInput ReadPosedImages(const BundleRequest& request, const BundleToolOptions& options);
+
+/// Adjusts and writes `poses.txt` (TUM: bodies of a flight, else cameras), `colmap/` and
+/// `bundle.json` to request.out. Returns the JSON. Throws InputError, also for input that can't be
+/// adjusted.
+nlohmann::ordered_json RunBundle(const BundleRequest& request);
+
+}  // namespace deja_view

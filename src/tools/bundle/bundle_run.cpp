@@ -1,0 +1,164 @@
+#include "deja_view/base/atomic_file.hpp"
+#include "deja_view/base/check.hpp"
+#include "deja_view/base/requirements.hpp"
+#include "deja_view/camera/camera_parameters.hpp"
+#include "deja_view/io/colmap.hpp"
+#include "deja_view/io/options_yaml.hpp"
+#include "deja_view/io/tum.hpp"
+
+#include <iostream>
+
+#include "bundle/bundle_command.hpp"
+#include "common/tool_figures.hpp"
+#include <fmt/format.h>
+
+namespace deja_view {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json ToJson(const BundleCamera& camera) {
+  const CameraParameters p = DescribeCamera(*camera.camera);
+  const Rigid3& T = camera.T_B_C;
+  return {{"model", p.model},
+          {"projection", p.projection},
+          {"distortion", p.distortion},
+          {"t_B_C_m", {T.t.x(), T.t.y(), T.t.z()}},
+          {"q_B_C_xyzw", {T.q.x(), T.q.y(), T.q.z(), T.q.w()}},
+          {"time_offset_s", camera.time_offset_s}};
+}
+
+Json ToJson(const BundleRound& r) {
+  return {{"error_px", r.error_px},
+          {"pairs", r.pairs},
+          {"matches", r.matches},
+          {"tracks", r.tracks},
+          {"points", r.points},
+          {"adjusted_points", r.adjusted_points},
+          {"observations", r.observations},
+          {"iterations", r.iterations},
+          {"rms_before_px", r.rms_before_px},
+          {"rms_after_px", r.rms_after_px},
+          {"matching_s", r.matching_s},
+          {"solving_s", r.solving_s}};
+}
+
+Json ToJson(const BundleSummary& summary) {
+  Json rounds = Json::array();
+  for (const BundleRound& round : summary.rounds) {
+    rounds.push_back(ToJson(round));
+  }
+  return {{"images", summary.images},
+          {"weak_images", summary.weak_images},
+          {"points", summary.points},
+          {"observations", summary.observations},
+          {"observations_per_point", summary.mean_track},
+          {"rms_px", summary.rms_px},
+          {"median_px", summary.median_px},
+          {"mean_shift_m", summary.mean_shift_m},
+          {"largest_shift_m", summary.largest_shift_m},
+          {"rounds", rounds}};
+}
+
+ColmapModel ToColmap(const BundleInput& input) {
+  const BundleProblem& problem = input.problem;
+  ColmapModel model;
+  for (std::size_t i = 0; i < problem.cameras.size(); ++i) {
+    model.cameras[static_cast<std::uint32_t>(i + 1)] = problem.cameras[i].camera;
+  }
+  for (std::size_t i = 0; i < problem.images.size(); ++i) {
+    const BundleImage& image = problem.images[i];
+    model.images.push_back({static_cast<std::uint32_t>(i + 1),
+                            static_cast<std::uint32_t>(image.camera + 1),
+                            input.names[i],
+                            problem.CameraPose(static_cast<int>(i)),
+                            {}});
+  }
+  for (std::size_t p = 0; p < problem.points.size(); ++p) {
+    const BundlePoint& point = problem.points[p];
+    model.points[p + 1] = {point.p_W, point.rms_px, point.observations.size()};
+    for (const BundleObservation& o : point.observations) {
+      const auto i = static_cast<std::size_t>(o.image);
+      model.images[i].observations.push_back(
+          {problem.images[i].keypoints[static_cast<std::size_t>(o.keypoint)].cast<double>(),
+           p + 1});
+    }
+  }
+  return model;
+}
+
+void WritePoses(const std::filesystem::path& path, const BundleProblem& problem) {
+  Trajectory trajectory;
+  for (const BundleImage& image : problem.images) {
+    if (!trajectory.empty() && image.stamp_ns <= trajectory.stamps_ns.back()) {
+      return;  // no stamps, or several cameras or sequences: the model has the poses
+    }
+    trajectory.stamps_ns.push_back(image.stamp_ns);
+    trajectory.poses.push_back(image.T_W_B);
+  }
+  WriteTum(path, trajectory);
+}
+
+}  // namespace
+
+std::vector<std::string> BundleToolOptions::Validate() const {
+  Requirements r;
+  r.Group("features", features.Validate());
+  r.Group("bundle", bundle.Validate());
+  r.Group("priors", priors.Validate());
+  return r.errors();
+}
+
+bool BundleRequest::IsFlight() const {
+  return !input.bag.empty() && input.poses.empty() && input.pose_topic.empty();
+}
+
+Json RunBundle(const BundleRequest& request) {
+  BundleToolOptions options;
+  if (!request.config.empty()) {
+    ReadOptions(request.config, &options);
+  }
+  for (const std::string& assignment : request.overrides) {
+    OverrideOption(assignment, &options);
+  }
+  BundleInput input =
+      request.IsFlight() ? ReadFlight(request, options) : ReadPosedImages(request, options);
+  const double read_cpu_s = CpuSeconds();
+  Json cameras_before = Json::array();
+  for (const BundleCamera& camera : input.problem.cameras) {
+    cameras_before.push_back(ToJson(camera));
+  }
+  const BundleSummary summary =
+      AdjustBundle(options.bundle, &input.problem, [&](const BundleRound& round) {
+        if (request.show_progress) {
+          std::cerr << fmt::format("round within {:.1f} px: {} points, RMS {:.3f} -> {:.3f} px\n",
+                                   round.error_px,
+                                   round.points,
+                                   round.rms_before_px,
+                                   round.rms_after_px);
+        }
+      });
+  if (!summary.is_usable()) {
+    ThrowInputError("the images can't be adjusted: {}", summary.obstacle);
+  }
+  if (request.show_progress) {
+    std::cerr << summary.ToString() << "\n";
+  }
+  Json json = ToJson(summary);
+  json["cameras_before"] = cameras_before;
+  json["cameras"] = Json::array();
+  for (const BundleCamera& camera : input.problem.cameras) {
+    json["cameras"].push_back(ToJson(camera));
+  }
+  json["warnings"] = input.warnings;
+  json["read_cpu_s"] = read_cpu_s;
+  json["cpu_s"] = CpuSeconds();
+  json["peak_rss_mb"] = PeakRss_mb();
+  WritePoses(request.out / "poses.txt", input.problem);
+  WriteColmapModel(ToColmap(input), request.out / "colmap");
+  WriteFileAtomically(request.out / "bundle.json",
+                      [&](std::ostream& out) { out << json.dump(2) << "\n"; });
+  return json;
+}
+
+}  // namespace deja_view
