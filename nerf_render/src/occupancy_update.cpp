@@ -4,6 +4,7 @@
 #include "deja_view/base/random.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace deja_view::nerf::internal {
 namespace {
@@ -21,6 +22,68 @@ bool Sees(const TrainingView& view, const Eigen::Vector3d& p_N, double radius) {
   const double border = radius / p_C.norm() * view.camera->FocalLength();
   return pixel && view.camera->IsInImage(*pixel, -border);
 }
+
+/// A random place in each of some cells, and the field's density there.
+class CellSamples {
+ public:
+  void Clear() {
+    cells_.clear();
+    x_.clear();
+    y_.clear();
+    z_.clear();
+  }
+
+  /// Of the block's cells in `open` those that are due: the occupied ones and one in sixteen of the
+  /// others, or all if `full`. Draws the same numbers whichever are.
+  void AddBlock(const RadianceField& field,
+                std::size_t block,
+                std::uint64_t open,
+                bool full,
+                Random* random) {
+    const OccupancyGrid& grid = field.occupancy;
+    const Eigen::Vector3f extent = field.Extent();
+    const float cell = 1 / grid.scale();
+    for (std::size_t i = 64 * block; i < 64 * block + 64; ++i) {
+      const bool is_due = (random->Next() >> 60U) == 0 || grid.IsOccupied(i) || full;
+      const std::array<int, 3> at = grid.Cell(i);
+      const float u = random->UniformFloat();
+      const float v = random->UniformFloat();
+      const float w = random->UniformFloat();
+      if (is_due && (open >> (i % 64) & 1U) != 0) {
+        cells_.push_back(i);
+        x_.push_back(std::min(extent.x(), (static_cast<float>(at[0]) + u) * cell));
+        y_.push_back(std::min(extent.y(), (static_cast<float>(at[1]) + v) * cell));
+        z_.push_back(std::min(extent.z(), (static_cast<float>(at[2]) + w) * cell));
+      }
+    }
+  }
+
+  const std::vector<std::size_t>& cells() const { return cells_; }
+
+  /// One per cell [1/unit length]; until the next call.
+  const std::vector<float>& Densities(const RadianceField& field, const Kernels& kernels) {
+    const std::size_t count = cells_.size();
+    const auto stride = static_cast<std::size_t>(field.density.row_stride());
+    const auto out_stride = static_cast<std::size_t>(field.density.output_stride());
+    rows_.resize(count * stride);
+    raw_.resize(count);
+    dt_.assign(count, 0.0F);
+    sigma_.resize(count);
+    unused_.resize(count);
+    field.geometry.Forward(kernels, {x_.data(), y_.data(), z_.data()}, count, stride, rows_.data());
+    const float* out = field.density.Forward(kernels, rows_.data(), count, &activations_);
+    for (std::size_t i = 0; i < count; ++i) {
+      raw_[i] = out[i * out_stride];
+    }
+    kernels.density(raw_.data(), dt_.data(), count, sigma_.data(), unused_.data());
+    return sigma_;
+  }
+
+ private:
+  std::vector<std::size_t> cells_;
+  std::vector<float> x_, y_, z_, rows_, raw_, dt_, sigma_, unused_;
+  Network::Activations activations_;
+};
 
 }  // namespace
 
@@ -109,14 +172,7 @@ void OccupancyUpdate::Carve(const std::vector<TrainingView>& views,
   }
 }
 
-void OccupancyUpdate::Run(const Kernels& kernels,
-                          const TrainOptions& options,
-                          std::uint64_t round,
-                          bool full,
-                          RadianceField* field) {
-  OccupancyGrid& grid = field->occupancy;
-  const Eigen::Vector3f extent = field->Extent();
-  const float cell = 1 / grid.scale();
+float OccupancyUpdate::Threshold(const TrainOptions& options) const {
   // Not near the mean, so that what has hardly begun to grow is kept.
   double sum = 0;
   std::size_t open = 0;
@@ -126,61 +182,37 @@ void OccupancyUpdate::Run(const Kernels& kernels,
       sum += static_cast<double>(density_[i]);
     }
   }
-  const float threshold = std::min(
+  return std::min(
       options.occupancy_threshold / options.march.min_step,
       static_cast<float>(kShareOfMean * sum / static_cast<double>(std::max<std::size_t>(1, open))));
-  const auto stride = static_cast<std::size_t>(field->density.row_stride());
-  const auto out_stride = static_cast<std::size_t>(field->density.output_stride());
+}
+
+void OccupancyUpdate::Run(const Kernels& kernels,
+                          const TrainOptions& options,
+                          std::uint64_t round,
+                          bool full,
+                          RadianceField* field) {
+  OccupancyGrid& grid = field->occupancy;
+  const float threshold = Threshold(options);
   ParallelFor(
       options.threads,
       open_.size(),
       [&](std::size_t begin, std::size_t end) {
-        std::vector<std::size_t> cells;
-        std::vector<float> x, y, z, rows, raw, dt, sigma, unused;
-        Network::Activations activations;
+        CellSamples samples;
         constexpr std::size_t kBlocks = 16;
         for (std::size_t first = begin; first < end; first += kBlocks) {
-          cells.clear();
-          x.clear();
-          y.clear();
-          z.clear();
+          samples.Clear();
           for (std::size_t block = first; block < std::min(end, first + kBlocks); ++block) {
-            if (open_[block] == 0) {
-              continue;
-            }
-            Random random(options.seed, (round << 32U) + block);
-            for (std::size_t i = 64 * block; i < 64 * block + 64; ++i) {
-              const bool due = (random.Next() >> 60U) == 0 || grid.IsOccupied(i) || full;
-              const bool look = due && (open_[block] >> (i % 64) & 1U) != 0;
-              const std::array<int, 3> at = grid.Cell(i);
-              const float u = random.UniformFloat();
-              const float v = random.UniformFloat();
-              const float w = random.UniformFloat();
-              if (look) {
-                cells.push_back(i);
-                x.push_back(std::min(extent.x(), (static_cast<float>(at[0]) + u) * cell));
-                y.push_back(std::min(extent.y(), (static_cast<float>(at[1]) + v) * cell));
-                z.push_back(std::min(extent.z(), (static_cast<float>(at[2]) + w) * cell));
-              }
+            if (open_[block] != 0) {
+              Random random(options.seed, (round << 32U) + block);
+              samples.AddBlock(*field, block, open_[block], full, &random);
             }
           }
-          const std::size_t count = cells.size();
-          rows.resize(count * stride);
-          raw.resize(count);
-          dt.assign(count, 0.0F);
-          sigma.resize(count);
-          unused.resize(count);
-          field->geometry.Forward(
-              kernels, {x.data(), y.data(), z.data()}, count, stride, rows.data());
-          const float* out = field->density.Forward(kernels, rows.data(), count, &activations);
-          for (std::size_t i = 0; i < count; ++i) {
-            raw[i] = out[i * out_stride];
-          }
-          kernels.density(raw.data(), dt.data(), count, sigma.data(), unused.data());
-          for (std::size_t i = 0; i < count; ++i) {
-            float& density = density_[cells[i]];
-            density = std::max(kDecay * density, sigma[i]);
-            grid.Set(cells[i], density > threshold);
+          const std::vector<float>& sigma = samples.Densities(*field, kernels);
+          for (std::size_t i = 0; i < sigma.size(); ++i) {
+            const std::size_t cell = samples.cells()[i];
+            density_[cell] = std::max(kDecay * density_[cell], sigma[i]);
+            grid.Set(cell, density_[cell] > threshold);
           }
         }
       },

@@ -28,6 +28,8 @@ class OccupancyUpdate {
            RadianceField* field);
 
  private:
+  /// Density above which a cell counts as occupied.
+  float Threshold(const TrainOptions& options) const;
   void FindSeen(const std::vector<TrainingView>& views, int threads, const RadianceField& field);
   void Carve(const std::vector<TrainingView>& views, int votes, const RadianceField& field);
 

@@ -51,7 +51,7 @@ std::vector<LoopVerifier::Match> LoopVerifier::MatchGuided(const Link& link,
   const KeyframeFeatures& points = *link.points;
   const KeyframeFeatures& image = *link.image;
   const Camera& camera = *link.image_camera;
-  const KeypointGrid grid(image.keypoints, camera.width(), camera.height(), kGridCellPx);
+  const KeypointGrid grid(image.keypoints, camera.width(), camera.height(), internal::kGridCellPx);
   const Rigid3 T_C_points = image.T_B_C.Inverse() * T_image_points;
   std::vector<Match> matches;
   visible->assign(points.points_B.size(), false);

@@ -2,6 +2,7 @@
 #include "deja_view/base/angles.hpp"
 #include "deja_view/base/requirements.hpp"
 #include "deja_view/features/keypoint_grid.hpp"
+#include "deja_view/verification/loop_verifier.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -154,7 +155,7 @@ double LoopVerifier::Log10FalseAlarms(const Pair& pair,
     const KeypointGrid grid(link.image->keypoints,
                             link.image_camera->width(),
                             link.image_camera->height(),
-                            kGridCellPx);
+                            internal::kGridCellPx);
     for (std::size_t k = 0; k < link.points->points_B.size(); ++k) {
       const auto pixel =
           link.image_camera->Project(T_C_points * link.points->points_B[k].cast<double>());

@@ -3,6 +3,7 @@
 #include "deja_view/camera/camera.hpp"
 #include "deja_view/features/types.hpp"
 #include "deja_view/geometry/rigid3.hpp"
+#include "deja_view/verification/keyframe_features.hpp"
 #include "deja_view/verification/reject_reason.hpp"
 #include "deja_view/verification/relative_pose.hpp"
 
@@ -15,21 +16,14 @@
 #include <Eigen/Core>
 
 namespace deja_view {
+namespace internal {
 
-/// What verification needs of a keyframe: the corners of its image and the points that the VIO
-/// tracked in it. Single precision: 1 mm at 100 m, 1e-4 px.
-struct KeyframeFeatures {
-  Rigid3 T_B_C;
-  std::vector<Eigen::Vector2f> keypoints;     ///< [px]
-  std::vector<Descriptor> descriptors;        ///< of the keypoints
-  std::vector<Eigen::Vector3f> points_B;      ///< [m] tracked points in the body frame
-  std::vector<Eigen::Vector2f> point_pixels;  ///< [px] where the VIO tracked them
-  std::vector<float> point_depth_sigmas;      ///< [m] along the camera's ray
-  std::vector<std::int64_t> point_ids;        ///< the VIO's feature ids
-  std::vector<Descriptor> point_descriptors;  ///< described at point_pixels
+struct LoopLink;
+struct LoopMatch;
+struct LoopPair;
+struct LoopProblem;
 
-  std::size_t MemoryBytes() const;
-};
+}  // namespace internal
 
 /// The scale of what a keyframe sees [m]: the median distance of its points from the camera; 0
 /// without points.
@@ -186,10 +180,10 @@ class LoopVerifier {
   const LoopVerifierOptions& options() const { return options_; }
 
  private:
-  struct Link;
-  struct Match;
-  struct Problem;
-  struct Pair;
+  using Link = internal::LoopLink;
+  using Match = internal::LoopMatch;
+  using Problem = internal::LoopProblem;
+  using Pair = internal::LoopPair;
 
   std::vector<Match> MatchAll(const Link& link) const;
   std::vector<Match> MatchGuided(const Link& link,

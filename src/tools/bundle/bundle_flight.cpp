@@ -36,7 +36,7 @@ ClosedLoops CloseLoops(const BundleRequest& request) {
   for (const KeyframeInfo& keyframe : result.keyframes) {
     closed.keyframes[keyframe.stamp_ns] = keyframe;
   }
-  for (const LoopRow& loop : result.loops) {
+  for (const LoopReport& loop : result.loops) {
     if (loop.accepted()) {
       closed.stamps.emplace_back(loop.stamp_old_ns, loop.stamp_current_ns);
       closed.T_old_current.push_back(loop.T_Bold_Bcurrent);

@@ -150,8 +150,8 @@ TEST(AdjustBundle, LeavesAnImageWithoutCornersToItsPriors) {
   EXPECT_EQ(summary.weak_images, 1);
   EXPECT_LT(scene.Rmse(), 0.006);
   const auto covariances = PoseCovariances(Options(), scene.problem, {30, 31});
-  EXPECT_GT(covariances[0].topLeftCorner<3, 3>().trace(),
-            4 * covariances[1].topLeftCorner<3, 3>().trace());
+  const auto variance = [&](std::size_t i) { return covariances[i].topLeftCorner<3, 3>().trace(); };
+  EXPECT_GT(variance(0), 4 * variance(1));
 }
 
 TEST(AdjustBundle, RefusesADroneThatStandsOrOnlyTurns) {

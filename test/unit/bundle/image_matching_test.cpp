@@ -50,9 +50,10 @@ TEST_F(ImageMatching, EpipolarGeometryDropsMostWrongMatches) {
   const auto kept = KeepEpipolar(options_, scene_.problem, rays_, matches_, 3.0, false);
   EXPECT_LT(WrongShare(kept), 0.02);
   const auto right = [&](const std::vector<KeypointMatch>& matches) {
-    return std::count_if(matches.begin(), matches.end(), [&](const KeypointMatch& m) {
-      return PointOf(m.a) == PointOf(m.b);
-    });
+    return static_cast<double>(
+        std::count_if(matches.begin(), matches.end(), [&](const KeypointMatch& m) {
+          return PointOf(m.a) == PointOf(m.b);
+        }));
   };
   EXPECT_GT(right(kept), 0.99 * right(matches_));
 }

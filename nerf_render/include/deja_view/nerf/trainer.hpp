@@ -1,6 +1,7 @@
 #pragma once
 
 #include "deja_view/nerf/radiance_field.hpp"
+#include "deja_view/nerf/scene_box.hpp"
 #include "deja_view/nerf/training_view.hpp"
 
 #include <cstddef>
@@ -8,10 +9,6 @@
 #include <vector>
 
 namespace deja_view::nerf {
-
-/// The box about the cameras and all but the outermost of the depth points, `margin` times its own
-/// diagonal larger on every side. Throws InputError where all is in one place.
-SceneBox BoxAround(const std::vector<TrainingView>& views, double margin);
 
 /// What one training step did.
 struct StepReport {
