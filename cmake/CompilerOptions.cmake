@@ -10,8 +10,7 @@ function(deja_view_target_defaults target)
     ${target}
     PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor
             -Wold-style-cast -Woverloaded-virtual -Wcast-align -ffp-contract=off
-            $<$<BOOL:${DEJA_VIEW_WERROR}>:-Werror>
-            $<$<CXX_COMPILER_ID:Clang>:-Wthread-safety>)
+            $<$<BOOL:${DEJA_VIEW_WERROR}>:-Werror>)
   if(DEJA_VIEW_SANITIZER)
     target_compile_options(${target} PUBLIC -fsanitize=${DEJA_VIEW_SANITIZER} -fno-omit-frame-pointer
                                             -fno-sanitize-recover=all)

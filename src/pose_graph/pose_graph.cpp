@@ -1,6 +1,8 @@
 #include "deja_view/pose_graph/pose_graph.hpp"
 
+#include "deja_view/base/angles.hpp"
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/requirements.hpp"
 #include "deja_view/pose_graph/four_dof_error.hpp"
 
 #include <algorithm>
@@ -12,8 +14,6 @@
 namespace deja_view {
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
-
 /// L with L^T L = covariance^-1.
 Eigen::Matrix4d SqrtInformation(const Eigen::Matrix4d& covariance) {
   const Eigen::Matrix4d information = covariance.ldlt().solve(Eigen::Matrix4d::Identity());
@@ -23,25 +23,20 @@ Eigen::Matrix4d SqrtInformation(const Eigen::Matrix4d& covariance) {
 }  // namespace
 
 std::vector<std::string> PoseGraphOptions::Validate() const {
-  std::vector<std::string> errors;
-  const auto require = [&](bool ok, const char* text) {
-    if (!ok) {
-      errors.emplace_back(text);
-    }
-  };
-  require(odometry_sigma_floor_m > 0, "odometry_sigma_floor_m must be positive");
-  require(odometry_sigma_per_sqrt_m >= 0, "odometry_sigma_per_sqrt_m must not be negative");
-  require(odometry_yaw_sigma_floor_deg > 0, "odometry_yaw_sigma_floor_deg must be positive");
-  require(odometry_yaw_sigma_per_sqrt_m_deg >= 0,
-          "odometry_yaw_sigma_per_sqrt_m_deg must not be negative");
-  require(loop_sigma_floor_m > 0, "loop_sigma_floor_m must be positive");
-  require(loop_scale_sigma >= 0, "loop_scale_sigma must not be negative");
-  require(loop_sigma_per_m >= 0, "loop_sigma_per_m must not be negative");
-  require(loop_yaw_sigma_floor_deg > 0, "loop_yaw_sigma_floor_deg must be positive");
-  require(kernel_scale > 0, "kernel_scale must be positive");
-  require(kernel_graduation > 1, "kernel_graduation must be above 1");
-  require(max_iterations > 0, "max_iterations must be positive");
-  return errors;
+  Requirements r;
+  r.That(odometry_sigma_floor_m > 0, "odometry_sigma_floor_m must be positive");
+  r.That(odometry_sigma_per_sqrt_m >= 0, "odometry_sigma_per_sqrt_m must not be negative");
+  r.That(odometry_yaw_sigma_floor_deg > 0, "odometry_yaw_sigma_floor_deg must be positive");
+  r.That(odometry_yaw_sigma_per_sqrt_m_deg >= 0,
+         "odometry_yaw_sigma_per_sqrt_m_deg must not be negative");
+  r.That(loop_sigma_floor_m > 0, "loop_sigma_floor_m must be positive");
+  r.That(loop_scale_sigma >= 0, "loop_scale_sigma must not be negative");
+  r.That(loop_sigma_per_m >= 0, "loop_sigma_per_m must not be negative");
+  r.That(loop_yaw_sigma_floor_deg > 0, "loop_yaw_sigma_floor_deg must be positive");
+  r.That(kernel_scale > 0, "kernel_scale must be positive");
+  r.That(kernel_graduation > 1, "kernel_graduation must be above 1");
+  r.That(max_iterations > 0, "max_iterations must be positive");
+  return r.errors();
 }
 
 PoseGraph PoseGraph::FromParts(const PoseGraphOptions& options,

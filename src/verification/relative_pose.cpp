@@ -194,7 +194,7 @@ NormalEquations Accumulate(const Rigid3& T_O_U,
     sum.g.noalias() += weight * l.J.transpose() * l.r;
   }
   if (use_gravity) {
-    const double sigma = options.tilt_sigma_deg * kPi / 180.0;
+    const double sigma = ToRadians(options.tilt_sigma_deg);
     const Eigen::Vector3d up_O = gravity.q_G_O.conjugate() * Eigen::Vector3d::UnitZ();
     const Eigen::Vector3d up_U = T_O_U.q * (gravity.q_G_U.conjugate() * Eigen::Vector3d::UnitZ());
     const Eigen::Vector3d r = TiltResidual(T_O_U, gravity) / sigma;
