@@ -20,6 +20,7 @@ cv::Mat Quadrant(const Eigen::Vector2d& corner) {
   fine(cv::Rect(at.x, at.y, fine.cols - at.x, fine.rows - at.y)).setTo(180);
   cv::Mat image;
   cv::resize(fine, image, {160, 120}, 0, 0, cv::INTER_AREA);
+  cv::GaussianBlur(image, image, {7, 7}, 1.0);
   return image;
 }
 
@@ -40,7 +41,8 @@ TEST(DescribeImage, FindsCornersToAFractionOfAPixel) {
     BundleImage image;
     DescribeImage(Quadrant(corner), {}, extractor, &image);
     ASSERT_FALSE(image.keypoints.empty());
-    EXPECT_LT((Nearest(image, corner) - corner).norm(), 0.2) << fraction;
+    // A blurred corner looks a quarter of a pixel further in.
+    EXPECT_LT((Nearest(image, corner) - corner).norm(), 0.5) << fraction;
   }
 }
 

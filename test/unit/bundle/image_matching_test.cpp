@@ -15,7 +15,7 @@ class ImageMatching : public ::testing::Test {
  protected:
   void SetUp() override {
     test::BundleSceneOptions options;
-    options.images = 24;
+    options.images = 60;
     options.points = 400;
     options.wrong_share = 0.1;
     scene_ = test::MakeBundleScene(options);

@@ -8,9 +8,9 @@
 namespace deja_view {
 namespace {
 
-/// A small scene with true points in place.
+/// True points in place, as the first six images see them.
 test::BundleScene SmallScene() {
-  test::BundleSceneOptions options = test::SceneOf(6, 60);
+  test::BundleSceneOptions options = test::SceneOf(60, 60);
   options.step_noise_m = 0;
   options.yaw_noise_deg = 0;
   test::BundleScene scene = test::MakeBundleScene(options);
