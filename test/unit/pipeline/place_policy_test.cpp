@@ -72,7 +72,7 @@ TEST(PlacePolicy, AheadItIsTheScaleThatCounts) {
     EXPECT_FALSE(IsNew(depth, At({0.18 * depth, 0, 0}), cover)) << depth;
     EXPECT_TRUE(IsNew(depth, At({0.22 * depth, 0, 0}), cover)) << depth;
     EXPECT_FALSE(IsNew(depth, At({-0.22 * depth, 0, 0}), cover)) << depth;
-    EXPECT_TRUE(IsNew(depth, At({-0.28 * depth, 0, 0}), cover)) << depth;
+    EXPECT_TRUE(IsNew(depth, At({-0.4 * depth, 0, 0}), cover)) << depth;
   }
 }
 
