@@ -14,7 +14,7 @@ namespace deja_view {
 /// Which images of the past a new one is triangulated with, and how far their relative pose is
 /// believed.
 struct MotionStereoOptions {
-  int recent = 10;                          ///< images kept; 0: nothing is triangulated
+  int recent = 0;                           ///< images kept, e.g. 10; 0: nothing is triangulated
   int partners = 2;                         ///< of them, those that a new image is matched with
   double min_overlap = 0.4;                 ///< of the new image's view that a partner must see
   double min_depth_ratio = 0.2;             ///< to the scene's median: nothing nearer is looked for
