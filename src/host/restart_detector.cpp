@@ -14,13 +14,17 @@ constexpr std::size_t kFewPoints = 8;
 constexpr double kMovedShare = 0.5;
 constexpr double kMovedMetres = 0.5;
 
-// VINS-Mono takes a second and more to start, and no keyframe comes from it until then.
-constexpr double kSilenceSeconds = 1.0;
+// Points that stay about as far away, but for this factor, have moved as a whole; those that a VIO
+// refines, as after its first keyframes, have not.
+constexpr double kRangeRatio = 2.0;
 
-// What an aircraft may do between keyframes beyond flying on [m/s^2], and how wrong the prediction
-// may be anyhow [m].
-constexpr double kAcceleration = 15.0;
+// How wrong it may be that an aircraft flies on as before: at once [m], by the noise of a VIO
+// [m/s], and by the aircraft's own doing [m/s^2].
 constexpr double kStepMetres = 1.0;
+constexpr double kStepSpeed = 1.0;
+constexpr double kAcceleration = 5.0;
+
+using PointsById = std::unordered_map<std::int64_t, Eigen::Vector3d>;
 
 double Seconds(std::int64_t from_ns, std::int64_t to_ns) {
   return 1e-9 * static_cast<double>(to_ns - from_ns);
@@ -35,6 +39,19 @@ bool HaveMoved(std::vector<std::pair<double, double>> moved_and_range) {
         return a.first * b.second < b.first * a.second;
       });
   return middle->first > std::max(kMovedMetres, kMovedShare * middle->second);
+}
+
+// Median distance from the body to those of `points` that are in `others`, too.
+double MedianRange(const PointsById& points, const PointsById& others, const Eigen::Vector3d& p_W) {
+  std::vector<double> ranges;
+  for (const auto& [id, point_W] : points) {
+    if (others.count(id) > 0) {
+      ranges.push_back((point_W - p_W).norm());
+    }
+  }
+  const auto middle = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() / 2);
+  std::nth_element(ranges.begin(), middle, ranges.end());
+  return *middle;
 }
 
 }  // namespace
@@ -81,11 +98,12 @@ RestartDetector::MovedAndRange RestartDetector::CommonPoints(const Keyframe& now
 
 bool RestartDetector::IsRestart(const Keyframe& now, const MovedAndRange& common) const {
   if (common.size() >= kFewPoints) {
-    return HaveMoved(common);
+    const double before = MedianRange(last_->points_W, now.points_W, last_->p_W);
+    const double after = MedianRange(now.points_W, last_->points_W, now.p_W);
+    const bool is_whole = after < kRangeRatio * before && before < kRangeRatio * after;
+    return HaveMoved(common) && (is_whole || IsUnexplained(now));
   }
-  const bool are_all_new = keeps_tracks_ && common.empty() && now.points_W.size() >= kFewPoints;
-  return are_all_new &&
-         (Seconds(last_->stamp_ns, now.stamp_ns) > kSilenceSeconds || IsUnexplained(now));
+  return keeps_tracks_ && common.empty() && now.points_W.size() >= kFewPoints && IsUnexplained(now);
 }
 
 bool RestartDetector::IsUnexplained(const Keyframe& now) const {
@@ -93,8 +111,8 @@ bool RestartDetector::IsUnexplained(const Keyframe& now) const {
     return false;
   }
   const double elapsed_s = Seconds(last_->stamp_ns, now.stamp_ns);
-  const Eigen::Vector3d predicted = last_->p_W + elapsed_s * *velocity_;
-  return (now.p_W - predicted).norm() > kStepMetres + 0.5 * kAcceleration * elapsed_s * elapsed_s;
+  const double limit_m = kStepMetres + elapsed_s * (kStepSpeed + 0.5 * kAcceleration * elapsed_s);
+  return (now.p_W - (last_->p_W + elapsed_s * *velocity_)).norm() > limit_m;
 }
 
 }  // namespace deja_view

@@ -14,11 +14,12 @@
 namespace deja_view {
 
 /// Tells from its keyframes alone when a VIO has started anew, in another world than before:
-///   - points that it still tracks have all moved in its world, or
-///   - it tracks none of the points that it did, and it was silent for long, or came to where its
-///     motion before could not have brought it.
-/// A VIO that loses its tracks and flies on has its old world; one that starts anew where it was
-/// before does no harm. Hosts that name their points anew in each keyframe tell nothing.
+///   - the points that it still tracks have moved in its world, as a whole, or while it came to
+///     where its motion before could not have brought it; or
+///   - it tracks none of the points that it did, and came to such a place.
+/// A VIO that refines its points, or loses its tracks and flies on, has its old world; one that
+/// starts anew where it was before does no harm. Hosts that name their points anew in each keyframe
+/// tell nothing.
 class RestartDetector {
  public:
   /// Keyframes in the order of their stamps. True when this one is the first of a new start.

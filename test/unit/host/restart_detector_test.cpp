@@ -62,10 +62,24 @@ TEST_F(RestartDetectorTest, AFewBadPointsDoNot) {
   EXPECT_FALSE(detector_.Add(200000000, At(0.1), points));
 }
 
-TEST_F(RestartDetectorTest, NewTracksAfterASilenceAreOne) {
+TEST_F(RestartDetectorTest, AVioThatFindsItsScaleIsNone) {
+  const auto add = [this](double s, double scale) {
+    std::vector<TrackedPoint> points(20);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      points[i].feature_id = static_cast<std::int64_t>(i);
+      points[i].p_W = scale * Eigen::Vector3d(8, static_cast<double>(i), 1);
+    }
+    return detector_.Add(std::llround(1e9 * s), At(0.2 * s), points);
+  };
+  add(0, 6);
+  EXPECT_FALSE(add(0.1, 1));
+  EXPECT_FALSE(add(0.2, 0.9));
+}
+
+TEST_F(RestartDetectorTest, NewTracksAfterASilenceAreNone) {
   Add(0, 0, 0);
-  Add(0.2, 0, 0);
-  EXPECT_TRUE(Add(1.6, 0.1, 100));
+  Add(0.2, 0.1, 0);
+  EXPECT_FALSE(Add(1.6, 0.9, 100));
 }
 
 TEST_F(RestartDetectorTest, NewTracksInAFastTurnAreNone) {
