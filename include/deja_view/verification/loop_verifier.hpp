@@ -45,7 +45,7 @@ struct RigGates {
   double max_log10_false_alarms = -3.0;
   double min_inlier_ratio = 0.25;  ///< of the current points that fall into any camera of the rig
   double max_gravity_deg = 2.0;
-  double max_sigma_over_depth = 0.02;  ///< of the position, over the scene's depth
+  double max_sigma_over_depth = 0.03;  ///< of the position, over the scene's depth
 
   template <typename Visitor>
   void Visit(Visitor& v) {

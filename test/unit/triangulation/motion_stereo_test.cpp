@@ -64,7 +64,12 @@ class MotionStereoTest : public testing::Test {
     return static_cast<double>(wrong) / std::max(1, CountCertain(image));
   }
 
-  MotionStereoOptions options_;
+  static MotionStereoOptions TenRecent() {
+    MotionStereoOptions options;
+    options.recent = 10;
+    return options;
+  }
+  MotionStereoOptions options_ = TenRecent();
   std::shared_ptr<const Camera> camera_ = RoomCamera();
   RoomRenderer room_;
   BriefExtractor extractor_;
