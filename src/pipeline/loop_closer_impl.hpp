@@ -74,7 +74,7 @@ class LoopCloserImpl {
   std::vector<NearbyPlace> CamerasAround(bool with_views) const;
   /// A loop was accepted so lately that the corrected pose is the better guess.
   bool IsLocalised() const;
-  bool IsWithinReach(int old) const;
+  bool IsWithinReach(int old, const NewKeyframe& current) const;
   LoopReport Verify(const Candidate& candidate,
                     bool with_views,
                     const NewKeyframe& current,

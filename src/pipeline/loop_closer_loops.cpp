@@ -155,7 +155,7 @@ bool LoopCloserImpl::TakeVerified(const LoopReport& loop,
 
 // Where the flight knows its place in the map, a candidate that lies beyond what verification lets
 // pass is not worth a rig.
-bool LoopCloserImpl::IsWithinReach(int old) const {
+bool LoopCloserImpl::IsWithinReach(int old, const NewKeyframe& current) const {
   const int newest = keyframes_.newest();
   if (!IsLocalised() || !keyframes_.AreJoined(old, newest)) {
     return true;
@@ -164,7 +164,7 @@ bool LoopCloserImpl::IsWithinReach(int old) const {
   constexpr double kMarginDeg = 10.0;
   const Rigid3 T_old_newest = keyframes_.T_a_b(old, newest);
   const LoopVerifierOptions& gates = options_.verification;
-  const double depth = SceneDepth(keyframes_[old].features);
+  const double depth = std::max(SceneDepth(keyframes_[old].features), SceneDepth(current.features));
   const bool is_near =
       depth == 0 || T_old_newest.t.norm() < (gates.max_distance_over_depth + kMargin) * depth;
   return is_near && RotationAngle(T_old_newest.q) < kDegree * (gates.max_yaw_deg + kMarginDeg);
@@ -193,7 +193,7 @@ void LoopCloserImpl::FindLoops(const std::vector<Candidate>& candidates,
   }
   for (auto& [candidate, loop] : failed) {
     const bool is_worth_it =
-        !shelf_.Of(candidate.keyframe).empty() && IsWithinReach(candidate.keyframe);
+        !shelf_.Of(candidate.keyframe).empty() && IsWithinReach(candidate.keyframe, current);
     Verification verification;
     if (is_worth_it && found < options_.candidates.max_loops && rigs < options_.views.max_tried) {
       ++rigs;
