@@ -78,7 +78,7 @@ struct LoopVerifierOptions {
   double max_yaw_deg = 90.0;
   double max_gravity_deg = 3.0;
   double max_sigma_over_depth =
-      0.02;      ///< largest standard deviation of the position, over the scene's depth
+      0.03;      ///< largest standard deviation of the position, over the scene's depth
   RigGates rig;  ///< in place of these where virtual views are needed
 
   template <typename Visitor>
