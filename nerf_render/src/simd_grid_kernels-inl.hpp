@@ -30,7 +30,17 @@ struct CornerBlock {
   alignas(64) float weight[8][kBlock];
 };
 
-// Reads up to Lanes past `count`, where the caller's arrays may end: hence the copy for a tail.
+// The caller's arrays may end after `left` values: hence the copy for a tail.
+HWY_INLINE hn::Vec<hn::ScalableTag<float>> LoadLanes(const float* from, std::size_t left) {
+  const hn::ScalableTag<float> df;
+  if (left >= hn::Lanes(df)) {
+    return hn::LoadU(df, from);
+  }
+  alignas(64) float tail[HWY_MAX_BYTES / sizeof(float)] = {};
+  std::copy_n(from, left, tail);
+  return hn::Load(df, tail);
+}
+
 template <bool kHashed>
 void FindCorners(const GridLevel& level,
                  const Positions& p,
@@ -46,15 +56,8 @@ void FindCorners(const GridLevel& level,
   const auto one = hn::Set(du, 1U);
   const int shift = level.features == 4 ? 2 : 1;
   for (std::size_t s = 0; s < count; s += lanes) {
-    const std::size_t left = count - s;
-    const auto load = [&](const float* from) HWY_ATTR {
-      if (left >= lanes) {
-        return hn::LoadU(df, from + begin + s);
-      }
-      alignas(64) float tail[HWY_MAX_BYTES / sizeof(float)] = {};
-      std::copy_n(from + begin + s, left, tail);
-      return hn::Load(df, tail);
-    };
+    const auto load = [&](const float* from)
+                          HWY_ATTR { return LoadLanes(from + begin + s, count - s); };
     const auto px = hn::Mul(load(p.x), scale);
     const auto py = hn::Mul(load(p.y), scale);
     const auto pz = hn::Mul(load(p.z), scale);
@@ -87,9 +90,7 @@ void FindCorners(const GridLevel& level,
     const decltype(fx) weight_y[2] = {hn::Sub(one_f, fy), fy};
     const decltype(fx) weight_z[2] = {hn::Sub(one_f, fz), fz};
     for (std::size_t c = 0; c < 8; ++c) {
-      const std::size_t a = c & 1U;
-      const std::size_t b = c >> 1U & 1U;
-      const std::size_t d = c >> 2U;
+      const std::size_t a = c & 1U, b = c >> 1U & 1U, d = c >> 2U;
       const auto brick = kHashed
                              ? hn::And(hn::Xor(hn::Xor(brick_x[a], brick_y[b]), brick_z[d]), mask)
                              : hn::Add(hn::Add(brick_x[a], brick_y[b]), brick_z[d]);
