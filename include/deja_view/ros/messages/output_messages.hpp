@@ -19,9 +19,9 @@ namespace deja_view {
 
 /// Frame ids of what the node publishes.
 struct FrameNames {
-  std::string map = "world";  ///< M; VINS-Mono's name for the world
-  std::string vio = "vio";    ///< W, before correction
-  std::string body = "body";  ///< B
+  std::string map = "world";                      ///< M; VINS-Mono's name for the world
+  std::string vio = "vio";                        ///< W, before correction
+  std::string body = "body";                      ///< B
   std::string body_corrected = "body_corrected";  ///< B, as tf's child of the map
 };
 
