@@ -12,6 +12,8 @@ function(deja_view_target_defaults target)
             -Wold-style-cast -Woverloaded-virtual -Wcast-align -ffp-contract=off
             $<$<BOOL:${DEJA_VIEW_WERROR}>:-Werror>)
   if(DEJA_VIEW_SANITIZER)
+    # Eigen would align by hand under a sanitizer, and free so what Ceres' library took from malloc.
+    target_compile_definitions(${target} PUBLIC EIGEN_MALLOC_ALREADY_ALIGNED=1)
     target_compile_options(${target} PUBLIC -fsanitize=${DEJA_VIEW_SANITIZER} -fno-omit-frame-pointer
                                             -fno-sanitize-recover=all)
     target_link_options(${target} PUBLIC -fsanitize=${DEJA_VIEW_SANITIZER})
