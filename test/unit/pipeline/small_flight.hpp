@@ -39,7 +39,6 @@ inline LoopCloserOptions FlightOptions() {
   LoopCloserOptions options;
   options.candidates.min_age_s = 6.0;
   options.solve.every_loops = 5;
-  options.consistency.min_support_join = 2;  // two images a second see few places together
   options.map_spacing_m = 0;
   return options;
 }
