@@ -12,17 +12,18 @@ void RefineCorners(const cv::Mat& grey, std::vector<cv::Point2f>* corners) {
   if (corners->empty()) {
     return;
   }
-  constexpr int kHalfWindow_px = 2;
-  constexpr float kMaxShift_px = 1.5F;  // farther is another corner
+  constexpr int kHalfWindowPx = 3;
+  // FAST sees a right angle up to 2 px inside of it; farther is another corner.
+  constexpr float kMaxShiftPx = 2.5F;
   const std::vector<cv::Point2f> found = *corners;
   cv::cornerSubPix(grey,
                    *corners,
-                   {kHalfWindow_px, kHalfWindow_px},
+                   {kHalfWindowPx, kHalfWindowPx},
                    {-1, -1},
                    {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 10, 0.02});
   for (std::size_t i = 0; i < found.size(); ++i) {
     const cv::Point2f shift = (*corners)[i] - found[i];
-    if (!(shift.dot(shift) < kMaxShift_px * kMaxShift_px)) {
+    if (!(shift.dot(shift) < kMaxShiftPx * kMaxShiftPx)) {
       (*corners)[i] = found[i];
     }
   }
@@ -34,8 +35,8 @@ void DescribeImage(const cv::Mat& grey,
                    const std::vector<BundleTrackedPixel>& tracked,
                    const FeatureExtractor& extractor,
                    BundleImage* image) {
-  constexpr float kApart_px = 4;
-  constexpr float kCell_px = 16;
+  constexpr float kApartPx = 4;
+  constexpr float kCellPx = 16;
   std::vector<cv::Point2f> pixels;
   image->keypoints.clear();
   image->track_ids.clear();
@@ -46,12 +47,12 @@ void DescribeImage(const cv::Mat& grey,
   }
   Features features = extractor.Extract(grey, pixels, &image->descriptors);
   const std::vector<Eigen::Vector2f> taken = image->keypoints;
-  const KeypointGrid grid(taken, grey.cols, grey.rows, kCell_px);
+  const KeypointGrid grid(taken, grey.cols, grey.rows, kCellPx);
   std::vector<cv::Point2f> corners;
   for (std::size_t i = 0; i < features.keypoints.size(); ++i) {
     const Eigen::Vector2f pixel(features.keypoints[i].x, features.keypoints[i].y);
     bool is_taken = false;
-    grid.ForEachNear(pixel, kApart_px, [&](int) { is_taken = true; });
+    grid.ForEachNear(pixel, kApartPx, [&](int) { is_taken = true; });
     if (!is_taken) {
       corners.emplace_back(pixel.x(), pixel.y());
       image->descriptors.push_back(features.descriptors[i]);

@@ -13,11 +13,13 @@ namespace {
 
 class ImageMatching : public ::testing::Test {
  protected:
-  void SetUp() override {
+  void SetUp() override { MakeScene(0.3); }
+
+  void MakeScene(double wrong_share) {
     test::BundleSceneOptions options;
     options.images = 60;
-    options.points = 400;
-    options.wrong_share = 0.1;
+    options.points = 800;
+    options.wrong_share = wrong_share;
     scene_ = test::MakeBundleScene(options);
     for (std::size_t i = 0; i < scene_.T_W_B.size(); ++i) {
       scene_.problem.images[i].T_W_B = scene_.T_W_B[i];
@@ -46,7 +48,7 @@ class ImageMatching : public ::testing::Test {
 };
 
 TEST_F(ImageMatching, EpipolarGeometryDropsMostWrongMatches) {
-  EXPECT_GT(WrongShare(matches_), 0.02);
+  EXPECT_GT(WrongShare(matches_), 0.05);
   const auto kept = KeepEpipolar(options_, scene_.problem, rays_, matches_, 3.0, false);
   EXPECT_LT(WrongShare(kept), 0.02);
   const auto right = [&](const std::vector<KeypointMatch>& matches) {
@@ -82,6 +84,7 @@ TEST_F(ImageMatching, ALoopsRelativePoseStandsInForWrongPoses) {
 
 TEST_F(ImageMatching, PointsAreFoundWhereTheyProject) {
   // A point of two images; every other image that sees it finds it.
+  MakeScene(0.1);
   const BundleImage& image = scene_.problem.images[0];
   int found = 0;
   int expected = 0;
@@ -106,7 +109,7 @@ TEST_F(ImageMatching, PointsAreFoundWhereTheyProject) {
     expected += static_cast<int>(
         std::count(in_third.begin(), in_third.end(), PointOf(point.observations.front())));
   }
-  EXPECT_GE(expected, 20);
+  EXPECT_GT(expected, 20);
   EXPECT_GT(found, 0.8 * expected);  // a tenth of the descriptors is wrong
   EXPECT_GE(found, static_cast<int>(matches.size()) - 2);
 }
