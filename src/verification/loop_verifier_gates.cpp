@@ -52,6 +52,7 @@ std::vector<std::string> LoopVerifierOptions::Validate() const {
   r.That(max_yaw_deg > 0, "max_yaw_deg", max_yaw_deg, "more than 0");
   r.That(max_gravity_deg > 0, "max_gravity_deg", max_gravity_deg, "more than 0");
   r.That(max_sigma_over_depth > 0, "max_sigma_over_depth", max_sigma_over_depth, "more than 0");
+  r.That(max_sigma_m > 0, "max_sigma_m", max_sigma_m, "more than 0");
   r.Group("rig", rig.Validate());
   r.Group("pose", pose.Validate());
   return r.errors();
@@ -201,7 +202,8 @@ RejectReason LoopVerifier::Gate(const Verification& v, const RigGates& gates) co
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(v.covariance.topLeftCorner<3, 3>(),
                                                              Eigen::EigenvaluesOnly);
-  const double max_sigma = gates.max_sigma_over_depth * v.scene_depth;
+  const double max_sigma =
+      std::min(options_.max_sigma_m, gates.max_sigma_over_depth * v.scene_depth);
   if (!(eigen.eigenvalues().maxCoeff() < max_sigma * max_sigma)) {
     return RejectReason::kUncertain;
   }

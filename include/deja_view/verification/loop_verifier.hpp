@@ -77,8 +77,10 @@ struct LoopVerifierOptions {
   double max_distance_over_depth = 1.25;  ///< between the two bodies, over the scene's depth
   double max_yaw_deg = 90.0;
   double max_gravity_deg = 3.0;
-  double max_sigma_over_depth =
-      0.03;      ///< largest standard deviation of the position, over the scene's depth
+  // Largest standard deviation of the position: over the scene's depth, for what a scene can tell;
+  // and in metres, with a rig as well, for what a loop is to be good for.
+  double max_sigma_over_depth = 0.03;
+  double max_sigma_m = 0.1;
   RigGates rig;  ///< in place of these where virtual views are needed
 
   template <typename Visitor>
@@ -98,6 +100,7 @@ struct LoopVerifierOptions {
     v("max_yaw_deg", max_yaw_deg);
     v("max_gravity_deg", max_gravity_deg);
     v("max_sigma_over_depth", max_sigma_over_depth);
+    v("max_sigma_m", max_sigma_m);
     v("rig", rig);
   }
   std::vector<std::string> Validate() const;

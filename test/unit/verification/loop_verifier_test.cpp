@@ -222,7 +222,10 @@ INSTANTIATE_TEST_SUITE_P(
                              [](LoopVerifierOptions* o) { o->max_yaw_deg = 12.0; }},
                     GateCase{"Uncertain",
                              RejectReason::kUncertain,
-                             [](LoopVerifierOptions* o) { o->max_sigma_over_depth = 1e-5; }}),
+                             [](LoopVerifierOptions* o) { o->max_sigma_over_depth = 1e-5; }},
+                    GateCase{"UncertainInMetres",
+                             RejectReason::kUncertain,
+                             [](LoopVerifierOptions* o) { o->max_sigma_m = 1e-4; }}),
     [](const auto& gate) { return std::string(gate.param.name); });
 
 TEST(LoopVerifier, NeedsACameraAndSomethingToCompare) {
