@@ -32,13 +32,15 @@ using LowerFunction = void (*)(const Descriptor* descriptors,
 /// One implementation; all give the same results. Of equally near centres or children the first is
 /// taken.
 struct DescendKernel {
-  const char* name;
   DescendFunction descend;
   AssignFunction assign;
   LowerFunction lower;
 };
 
-/// The implementations that this processor can run, the fastest first.
-std::vector<DescendKernel> AvailableDescendKernels();
+/// The fastest that this processor can run; the plain loop in builds without Highway.
+DescendKernel ChooseDescendKernel();
+
+/// The plain loop, which the others are tested against.
+DescendKernel PortableDescendKernel();
 
 }  // namespace deja_view::internal

@@ -25,7 +25,7 @@ class Problem {
       : options_(options),
         descriptors_(descriptors),
         count_(count),
-        kernel_(AvailableDescendKernels().front()),
+        kernel_(ChooseDescendKernel()),
         labels_(count, 0) {}
 
   // Greedy k-means++: of a few descriptors, drawn with a probability proportional to their squared

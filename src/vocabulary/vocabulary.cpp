@@ -17,7 +17,7 @@ struct Vocabulary::Storage {
   internal::MappedFile file;
   std::vector<Descriptor> buffer;
   internal::FlatView view;
-  internal::DescendFunction descend = internal::AvailableDescendKernels().front().descend;
+  internal::DescendFunction descend = internal::ChooseDescendKernel().descend;
   std::string descriptor_name;
 };
 

@@ -14,6 +14,9 @@
 
 #include "random_vocabulary.hpp"
 #include <benchmark/benchmark.h>
+#ifdef DEJA_VIEW_HAVE_HIGHWAY
+#include <hwy/targets.h>
+#endif
 #include <unistd.h>
 
 namespace deja_view {
@@ -62,6 +65,19 @@ void WordsFullTree(benchmark::State& state) {
 }
 BENCHMARK(WordsShipped)->Unit(benchmark::kMicrosecond);
 BENCHMARK(WordsFullTree)->Unit(benchmark::kMicrosecond);
+
+#ifdef DEJA_VIEW_HAVE_HIGHWAY
+// As on a CPU without AVX-512.
+void WordsAvx2(benchmark::State& state) {
+  hwy::SetSupportedTargetsForTest(hwy::SupportedTargets() & ~(HWY_AVX3 | HWY_AVX3_DL));
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  const auto vocabulary = Vocabulary::Open(DEJA_VIEW_VOCABULARY);
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  Words(state, vocabulary);
+}
+BENCHMARK(WordsAvx2)->Unit(benchmark::kMicrosecond);
+#endif
 
 void Bag(benchmark::State& state) {
   const auto images = MakeImages(*Shipped());

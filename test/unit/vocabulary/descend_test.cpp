@@ -1,18 +1,40 @@
 #include "descend.hpp"
 
+#include <algorithm>
 #include <random>
-#include <string>
+#include <vector>
 
 #include "random_vocabulary.hpp"
 #include <gtest/gtest.h>
+#ifdef DEJA_VIEW_HAVE_HIGHWAY
+#include <hwy/targets.h>
+#endif
 
 namespace deja_view::internal {
 namespace {
 
-class DescendKernels : public ::testing::TestWithParam<int> {};
+struct Results {
+  std::vector<WordId> words;
+  std::vector<std::uint8_t> labels;
+};
 
-TEST_P(DescendKernels, AllGiveTheSame) {
-  const int k = GetParam();
+Results Run(const DescendKernel& kernel,
+            const FlatView& view,
+            const std::vector<Descriptor>& descriptors,
+            int k) {
+  Results results;
+  results.words.resize(descriptors.size());
+  kernel.descend(view, descriptors.data(), descriptors.size(), results.words.data());
+  results.labels.resize(descriptors.size());
+  kernel.assign(descriptors.data(),
+                descriptors.size(),
+                view.descriptors + 1,
+                static_cast<std::uint32_t>(k),
+                results.labels.data());
+  return results;
+}
+
+void ExpectAgreement(int k) {
   const VocabularyTree tree = test::RandomTree(k, k > 20 ? 1 : 3, 1, 5);
   const std::vector<Descriptor> bytes = BuildFlat(tree, "test");
   const FlatView view =
@@ -23,38 +45,52 @@ TEST_P(DescendKernels, AllGiveTheSame) {
     descriptors.push_back(
         test::Disturb(tree.nodes[rng() % tree.nodes.size()].descriptor, 30, &rng));
   }
-  const std::vector<DescendKernel> kernels = AvailableDescendKernels();
-  const DescendKernel& portable = kernels.back();
-  ASSERT_EQ(std::string(portable.name), "portable");
-  std::vector<WordId> expected(descriptors.size());
-  portable.descend(view, descriptors.data(), descriptors.size(), expected.data());
-  std::vector<std::uint8_t> expected_labels(descriptors.size());
-  portable.assign(descriptors.data(),
-                  descriptors.size(),
-                  view.descriptors + 1,
-                  static_cast<std::uint32_t>(k),
-                  expected_labels.data());
-  for (const DescendKernel& kernel : kernels) {
-    std::vector<WordId> words(descriptors.size());
-    kernel.descend(view, descriptors.data(), descriptors.size(), words.data());
-    EXPECT_EQ(words, expected) << kernel.name;
-    std::vector<std::uint8_t> labels(descriptors.size());
-    kernel.assign(descriptors.data(),
-                  descriptors.size(),
-                  view.descriptors + 1,
-                  static_cast<std::uint32_t>(k),
-                  labels.data());
-    EXPECT_EQ(labels, expected_labels) << kernel.name;
-    std::vector<std::uint16_t> distances(descriptors.size(), 120);
-    kernel.lower(descriptors.data(), descriptors.size(), descriptors[0], distances.data());
-    for (std::size_t i = 0; i < descriptors.size(); ++i) {
-      EXPECT_EQ(distances[i], std::min(120, HammingDistance(descriptors[i], descriptors[0])));
-    }
+  const DescendKernel kernel = ChooseDescendKernel();
+  const Results results = Run(kernel, view, descriptors, k);
+  const Results expected = Run(PortableDescendKernel(), view, descriptors, k);
+  EXPECT_EQ(results.words, expected.words);
+  EXPECT_EQ(results.labels, expected.labels);
+  std::vector<std::uint16_t> distances(descriptors.size(), 120);
+  kernel.lower(descriptors.data(), descriptors.size(), descriptors[0], distances.data());
+  for (std::size_t i = 0; i < descriptors.size(); ++i) {
+    EXPECT_EQ(distances[i], std::min(120, HammingDistance(descriptors[i], descriptors[0])));
   }
 }
 
+// All centres but the first are equally near, so that the second is taken.
+void ExpectTheFirstOfEqual(int k) {
+  const Descriptor descriptor;
+  std::vector<Descriptor> centres(static_cast<std::size_t>(k));
+  centres[0].words = {~0ULL, ~0ULL, ~0ULL, ~0ULL};
+  std::uint8_t label = 0;
+  ChooseDescendKernel().assign(
+      &descriptor, 1, centres.data(), static_cast<std::uint32_t>(k), &label);
+  EXPECT_EQ(label, k > 1 ? 1 : 0);
+}
+
+class Descend : public ::testing::TestWithParam<int> {};
+
+TEST_P(Descend, AgreesWithThePlainLoop) {
+  ExpectAgreement(GetParam());
+  ExpectTheFirstOfEqual(GetParam());
+}
+
+#ifdef DEJA_VIEW_HAVE_HIGHWAY
+TEST_P(Descend, AgreesOnEveryInstructionSet) {
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    SCOPED_TRACE(hwy::TargetName(target));
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    ExpectAgreement(GetParam());
+    ExpectTheFirstOfEqual(GetParam());
+  }
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+}
+#endif
+
 INSTANTIATE_TEST_SUITE_P(Branching,
-                         DescendKernels,
+                         Descend,
                          ::testing::Values(1, 2, 3, 7, 8, 9, 10, 15, 16, 17, 255));
 
 }  // namespace
