@@ -28,40 +28,27 @@ inline std::int64_t Distance(const Descriptor& a, const Descriptor& b) {
 using Words = hn::FixedTag<std::uint64_t, 8>;
 using WordVector = hn::Vec<Words>;
 
-// Bits that differ, per 64-bit word, of two children, of which the first `present` words are read.
-inline WordVector PairCounts(WordVector twice, const Descriptor* children, std::size_t present) {
+// Distances of four children in the order [0 2 0 2 1 3 1 3], from the words of two pairs of them.
+inline WordVector QuartetDistances(WordVector twice, WordVector pair0, WordVector pair1) {
   const Words d;
-  const auto mask = hn::FirstN(d, present);
-  const auto words = hn::MaskedLoad(mask, d, children->words.data());
-  return hn::PopulationCount(hn::Xor(twice, words));
-}
-
-// Distances of four children in the order [0 2 0 2 1 3 1 3].
-inline WordVector QuartetDistances(WordVector p0, WordVector p1) {
-  const Words d;
+  const auto p0 = hn::PopulationCount(hn::Xor(twice, pair0));
+  const auto p1 = hn::PopulationCount(hn::Xor(twice, pair1));
   const auto sums = hn::Add(hn::InterleaveLower(d, p0, p1), hn::InterleaveUpper(d, p0, p1));
   return hn::Add(sums, hn::SwapAdjacentBlocks(sums));
 }
 
-// Keys of children [base, base + 8), all ones where there is none.
-inline WordVector OctetKeys(WordVector twice,
-                            const Descriptor* children,
-                            std::uint32_t base,
-                            std::uint32_t count) {
-  const Words d;
-  const std::uint32_t here = std::min(count - base, 8U);
-  const auto pair = [&](std::uint32_t first) {
-    const std::uint32_t present = here > first ? std::min(here - first, 2U) : 0U;
-    // Of an absent pair no word is read.
-    return PairCounts(twice, children + base + std::min(first, here), present * 4);
-  };
-  const auto distances =
-      hn::OddEvenBlocks(QuartetDistances(pair(4), pair(6)), QuartetDistances(pair(0), pair(2)));
+// The places of eight children in their vector of distances.
+inline WordVector Order() {
   alignas(64) static constexpr std::uint64_t kOrder[8] = {0, 2, 4, 6, 1, 3, 5, 7};
-  const auto order = hn::Load(d, kOrder);
-  const auto keys = hn::Or(hn::ShiftLeft<32>(distances), hn::Add(order, hn::Set(d, base)));
-  const auto none = hn::Set(d, ~std::uint64_t{0});
-  return hn::IfThenElse(hn::Lt(order, hn::Set(d, here)), keys, none);
+  return hn::Load(Words(), kOrder);
+}
+
+// Keys of eight children, whose words `load` gives by pairs.
+template <typename Load>
+inline WordVector OctetKeys(WordVector twice, std::uint32_t base, const Load& load) {
+  const auto distances = hn::OddEvenBlocks(QuartetDistances(twice, load(4), load(6)),
+                                           QuartetDistances(twice, load(0), load(2)));
+  return hn::Or(hn::ShiftLeft<32>(distances), hn::Add(Order(), hn::Set(Words(), base)));
 }
 
 inline std::uint32_t NearestChild(const Descriptor& descriptor,
@@ -71,9 +58,22 @@ inline std::uint32_t NearestChild(const Descriptor& descriptor,
   const hn::FixedTag<std::uint64_t, 4> half;
   const auto once = hn::LoadU(half, descriptor.words.data());
   const auto twice = hn::Combine(d, once, once);
-  auto best = OctetKeys(twice, children, 0, count);
-  for (std::uint32_t base = 8; base < count; base += 8) {
-    best = hn::Min(best, OctetKeys(twice, children, base, count));
+  auto best = hn::Set(d, ~std::uint64_t{0});
+  std::uint32_t base = 0;
+  for (; base + 8 <= count; base += 8) {
+    const auto load = [&](std::uint32_t i) {
+      return hn::LoadU(d, children[base + i].words.data());
+    };
+    best = hn::Min(best, OctetKeys(twice, base, load));
+  }
+  if (base < count) {
+    const std::uint32_t rest = count - base;
+    const auto load = [&](std::uint32_t i) {
+      const auto mask = hn::FirstN(d, rest > i ? std::min(rest - i, 2U) * 4 : 0U);
+      return hn::MaskedLoad(mask, d, (children + base + std::min(i, rest))->words.data());
+    };
+    const auto is_there = hn::Lt(Order(), hn::Set(d, rest));
+    best = hn::Min(best, hn::IfThenElse(is_there, OctetKeys(twice, base, load), best));
   }
   return static_cast<std::uint32_t>(hn::GetLane(hn::MinOfLanes(d, best)));
 }
