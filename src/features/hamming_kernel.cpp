@@ -18,13 +18,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 #if HWY_TARGET == HWY_SCALAR
 
 // No vectors: the plain loop.
-void MatchHammingTarget(const Descriptor* queries,
-                        std::size_t query_count,
-                        const Descriptor* train,
-                        std::size_t train_count,
-                        int max_distance,
-                        HammingMatch* matches) {
-  MatchHammingPortable(queries, query_count, train, train_count, max_distance, matches);
+void MatchHammingTarget(const HammingProblem& problem) {
+  MatchHammingPortable(problem);
 }
 
 #else
@@ -87,21 +82,17 @@ SmallestKeys SearchBlocks(const Descriptor& query,
   return keys;
 }
 
-void MatchHammingTarget(const Descriptor* queries,
-                        std::size_t query_count,
-                        const Descriptor* train,
-                        std::size_t train_count,
-                        int max_distance,
-                        HammingMatch* matches) {
+void MatchHammingTarget(const HammingProblem& problem) {
   const std::size_t lanes = hn::Lanes(hn::ScalableTag<std::uint64_t>());
-  const std::size_t blocks = train_count / lanes;
-  const std::vector<std::uint64_t> planes = Interleave(train, blocks, lanes);
-  for (std::size_t q = 0; q < query_count; ++q) {
-    SmallestKeys keys = SearchBlocks(queries[q], planes, blocks);
-    for (std::size_t i = blocks * lanes; i < train_count; ++i) {
-      keys.Add(ToKey(HammingDistance(queries[q], train[i]), i));
+  const std::size_t blocks = problem.train_count / lanes;
+  const std::vector<std::uint64_t> planes = Interleave(problem.train, blocks, lanes);
+  for (std::size_t q = 0; q < problem.query_count; ++q) {
+    const Descriptor& query = problem.queries[q];
+    SmallestKeys keys = SearchBlocks(query, planes, blocks);
+    for (std::size_t i = blocks * lanes; i < problem.train_count; ++i) {
+      keys.Add(ToKey(HammingDistance(query, problem.train[i]), i));
     }
-    matches[q] = keys.ToMatch(max_distance);
+    problem.matches[q] = keys.ToMatch(problem.max_distance);
   }
 }
 
@@ -115,14 +106,9 @@ namespace deja_view::internal {
 
 HWY_EXPORT(MatchHammingTarget);
 
-void MatchHammingVector(const Descriptor* queries,
-                        std::size_t query_count,
-                        const Descriptor* train,
-                        std::size_t train_count,
-                        int max_distance,
-                        HammingMatch* matches) {
+void MatchHammingVector(const HammingProblem& problem) {
   HWY_DYNAMIC_DISPATCH(MatchHammingTarget)
-  (queries, query_count, train, train_count, max_distance, matches);
+  (problem);
 }
 
 }  // namespace deja_view::internal

@@ -130,7 +130,7 @@ void BM_MatchHammingPortable(benchmark::State& state) {
   std::vector<HammingMatch> matches(queries.size());
   for (auto _ : state) {
     internal::MatchHammingPortable(
-        queries.data(), queries.size(), train.data(), train.size(), 256, matches.data());
+        {queries.data(), queries.size(), train.data(), train.size(), 256, matches.data()});
     benchmark::DoNotOptimize(matches.data());
   }
 }

@@ -31,7 +31,7 @@ void ExpectAgreement() {
       for (const int cap : {256, 120, 3, 0}) {
         std::vector<HammingMatch> expected(queries.size());
         internal::MatchHammingPortable(
-            queries.data(), queries.size(), train.data(), train.size(), cap, expected.data());
+            {queries.data(), queries.size(), train.data(), train.size(), cap, expected.data()});
         EXPECT_EQ(MatchHamming(queries, train, cap), expected) << train_count << " cap " << cap;
       }
     }
