@@ -5,6 +5,7 @@
 
 #include <random>
 
+#include "hamming_kernel.hpp"
 #include "synthetic_image.hpp"
 #include <benchmark/benchmark.h>
 #ifdef DEJA_VIEW_HAVE_HIGHWAY

@@ -24,20 +24,4 @@ void MatchHamming(const Descriptor* queries,
                   int max_distance,
                   HammingMatch* matches);
 
-namespace internal {
-
-/// What MatchHamming is given.
-struct HammingProblem {
-  const Descriptor* queries;
-  std::size_t query_count;
-  const Descriptor* train;
-  std::size_t train_count;
-  int max_distance;
-  HammingMatch* matches;
-};
-
-/// The plain loop that MatchHamming falls back to and is tested against.
-void MatchHammingPortable(const HammingProblem& problem);
-
-}  // namespace internal
 }  // namespace deja_view

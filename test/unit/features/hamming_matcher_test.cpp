@@ -2,6 +2,7 @@
 
 #include <random>
 
+#include "hamming_kernel.hpp"
 #include <gtest/gtest.h>
 #ifdef DEJA_VIEW_HAVE_HIGHWAY
 #include <hwy/targets.h>
