@@ -9,18 +9,10 @@
 #include "scaling.hpp"
 
 namespace deja_view {
-namespace {}  // namespace
-
 KannalaBrandtCamera::KannalaBrandtCamera(const KannalaBrandtParameters& parameters)
     : Camera(parameters.width, parameters.height), parameters_(parameters), max_theta_(kPi) {
   const KannalaBrandtParameters& p = parameters_;
-  DEJA_VIEW_CHECK_OP(p.width, >, 0);
-  DEJA_VIEW_CHECK_OP(p.height, >, 0);
-  DEJA_VIEW_CHECK_OP(p.mu, >, 0.0);
-  DEJA_VIEW_CHECK_OP(p.mv, >, 0.0);
-  for (const double value : {p.mu, p.mv, p.u0, p.v0, p.k2, p.k3, p.k4, p.k5}) {
-    DEJA_VIEW_CHECK(std::isfinite(value));
-  }
+  internal::CheckLens(p, {p.mu, p.mv}, {p.mu, p.mv, p.u0, p.v0, p.k2, p.k3, p.k4, p.k5});
   max_theta_ = LargestAngle();
 }
 
@@ -102,14 +94,9 @@ double KannalaBrandtCamera::FocalLength() const {
 }
 
 std::unique_ptr<Camera> KannalaBrandtCamera::Scaled(double scale) const {
-  KannalaBrandtParameters p = parameters_;
-  p.width = internal::ScaledSize(p.width, scale);
-  p.height = internal::ScaledSize(p.height, scale);
-  p.mu *= scale;
-  p.mv *= scale;
-  p.u0 = internal::ScaledCentre(p.u0, scale);
-  p.v0 = internal::ScaledCentre(p.v0, scale);
-  return std::make_unique<KannalaBrandtCamera>(p);
+  using P = KannalaBrandtParameters;
+  return std::make_unique<KannalaBrandtCamera>(
+      internal::ScaledLens(parameters_, scale, &P::mu, &P::mv, &P::u0, &P::v0));
 }
 
 }  // namespace deja_view

@@ -22,14 +22,9 @@ MeiCamera::MeiCamera(const MeiParameters& parameters)
       parameters_(parameters),
       max_radius_squared_(Distortion(parameters).MaxRadiusSquared()) {
   const MeiParameters& p = parameters_;
-  DEJA_VIEW_CHECK_OP(p.width, >, 0);
-  DEJA_VIEW_CHECK_OP(p.height, >, 0);
+  internal::CheckLens(
+      p, {p.gamma1, p.gamma2}, {p.xi, p.k1, p.k2, p.p1, p.p2, p.gamma1, p.gamma2, p.u0, p.v0});
   DEJA_VIEW_CHECK_OP(p.xi, >=, 0.0);
-  DEJA_VIEW_CHECK_OP(p.gamma1, >, 0.0);
-  DEJA_VIEW_CHECK_OP(p.gamma2, >, 0.0);
-  for (const double value : {p.xi, p.k1, p.k2, p.p1, p.p2, p.gamma1, p.gamma2, p.u0, p.v0}) {
-    DEJA_VIEW_CHECK(std::isfinite(value));
-  }
 }
 
 std::optional<Eigen::Vector2d> MeiCamera::Project(const Eigen::Vector3d& p_C,
@@ -78,14 +73,9 @@ double MeiCamera::FocalLength() const {
 }
 
 std::unique_ptr<Camera> MeiCamera::Scaled(double scale) const {
-  MeiParameters p = parameters_;
-  p.width = internal::ScaledSize(p.width, scale);
-  p.height = internal::ScaledSize(p.height, scale);
-  p.gamma1 *= scale;
-  p.gamma2 *= scale;
-  p.u0 = internal::ScaledCentre(p.u0, scale);
-  p.v0 = internal::ScaledCentre(p.v0, scale);
-  return std::make_unique<MeiCamera>(p);
+  using P = MeiParameters;
+  return std::make_unique<MeiCamera>(
+      internal::ScaledLens(parameters_, scale, &P::gamma1, &P::gamma2, &P::u0, &P::v0));
 }
 
 }  // namespace deja_view

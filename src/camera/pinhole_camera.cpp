@@ -21,13 +21,7 @@ PinholeCamera::PinholeCamera(const PinholeParameters& parameters)
       parameters_(parameters),
       max_radius_squared_(Distortion(parameters).MaxRadiusSquared()) {
   const PinholeParameters& p = parameters_;
-  DEJA_VIEW_CHECK_OP(p.width, >, 0);
-  DEJA_VIEW_CHECK_OP(p.height, >, 0);
-  DEJA_VIEW_CHECK_OP(p.fx, >, 0.0);
-  DEJA_VIEW_CHECK_OP(p.fy, >, 0.0);
-  for (const double value : {p.fx, p.fy, p.cx, p.cy, p.k1, p.k2, p.p1, p.p2}) {
-    DEJA_VIEW_CHECK(std::isfinite(value));
-  }
+  internal::CheckLens(p, {p.fx, p.fy}, {p.fx, p.fy, p.cx, p.cy, p.k1, p.k2, p.p1, p.p2});
 }
 
 std::optional<Eigen::Vector2d> PinholeCamera::Project(const Eigen::Vector3d& p_C,
@@ -64,14 +58,9 @@ double PinholeCamera::FocalLength() const {
 }
 
 std::unique_ptr<Camera> PinholeCamera::Scaled(double scale) const {
-  PinholeParameters p = parameters_;
-  p.width = internal::ScaledSize(p.width, scale);
-  p.height = internal::ScaledSize(p.height, scale);
-  p.fx *= scale;
-  p.fy *= scale;
-  p.cx = internal::ScaledCentre(p.cx, scale);
-  p.cy = internal::ScaledCentre(p.cy, scale);
-  return std::make_unique<PinholeCamera>(p);
+  using P = PinholeParameters;
+  return std::make_unique<PinholeCamera>(
+      internal::ScaledLens(parameters_, scale, &P::fx, &P::fy, &P::cx, &P::cy));
 }
 
 }  // namespace deja_view

@@ -13,8 +13,6 @@
 namespace deja_view {
 namespace {
 
-constexpr int kFastRadius = 3;
-
 // Offsets of both samples of each pair into an image of `stride` bytes per row.
 struct SampleOffsets {
   SampleOffsets(const BriefPattern& pattern, std::ptrdiff_t stride) {
@@ -120,9 +118,9 @@ cv::Mat BriefExtractor::Smooth(const cv::Mat& image) const {
 // Eq. 1, asked of nine neighbours on the circle in a row.
 std::vector<Keypoint> BriefExtractor::Detect(const cv::Mat& image) const {
   // One pixel more than needed: non-maximum suppression looks at the neighbours.
-  const int border = std::max(radius_ - kFastRadius - 1, 0);
+  const int border = std::max(radius_ - internal::kFastRadius - 1, 0);
   const cv::Rect searched(border, border, image.cols - 2 * border, image.rows - 2 * border);
-  if (searched.width <= 2 * kFastRadius || searched.height <= 2 * kFastRadius) {
+  if (searched.width <= 2 * internal::kFastRadius || searched.height <= 2 * internal::kFastRadius) {
     return {};
   }
   std::vector<cv::KeyPoint> corners;

@@ -17,7 +17,6 @@
 namespace deja_view {
 namespace {
 
-constexpr int kFastRadius = 3;
 constexpr int kDiscRadius = 15;  // of the intensity centroid
 constexpr int kBorder = 19;      // reach of the rotated pattern, a patch of 31 px
 constexpr int kPadding = 40;
@@ -42,7 +41,7 @@ std::array<int, kDiscRadius + 1> DiscHalfWidths() {
 
 // Corners of one pyramid level that can be described, in its own coordinates, not yet thinned.
 std::vector<cv::KeyPoint> DetectOnLevel(const cv::Mat& level, int threshold) {
-  const int margin = kBorder - kFastRadius - 1;
+  const int margin = kBorder - internal::kFastRadius - 1;
   const cv::Rect describable(kBorder, kBorder, level.cols - 2 * kBorder, level.rows - 2 * kBorder);
   if (describable.width <= 0 || describable.height <= 0) {
     return {};

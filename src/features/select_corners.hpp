@@ -6,6 +6,8 @@
 
 namespace deja_view::internal {
 
+constexpr int kFastRadius = 3;  ///< [px] of the circle that FAST looks at
+
 /// Order of corners: the stronger first, then by row and column, so that ties don't depend on the
 /// input's order.
 bool IsStronger(const cv::KeyPoint& a, const cv::KeyPoint& b);

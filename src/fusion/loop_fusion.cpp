@@ -225,7 +225,7 @@ void LoopFusion::CountKeyframe(const KeyframeReport& report) {
   const std::lock_guard<std::mutex> lock(statistics_mutex_);
   ++statistics_.keyframes;
   for (const LoopReport& loop : report.loops) {
-    ++statistics_.candidates[ToString(loop.reason)];
+    ++statistics_.candidates[EnumToString(loop.reason)];
   }
   const double ms = report.times.total();
   statistics_.max_ms = std::max(statistics_.max_ms, ms);

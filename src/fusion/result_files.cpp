@@ -17,22 +17,16 @@ void WriteLoops(std::ostream& out, const std::vector<LoopReport>& loops) {
          "reason\n";
   for (const LoopReport& loop : loops) {
     const Rigid3& T = loop.T_Bold_Bcurrent;
-    out << fmt::format(
-        "{},{},{:.6f},{:.6f},{:.6f},{:.8f},{:.8f},{:.8f},{:.8f},{:.6f},{},{},{},{}\n",
-        loop.stamp_current_ns,
-        loop.stamp_old_ns,
-        T.t.x(),
-        T.t.y(),
-        T.t.z(),
-        T.q.x(),
-        T.q.y(),
-        T.q.z(),
-        T.q.w(),
-        loop.score,
-        loop.inliers,
-        loop.is_virtual ? 1 : 0,
-        loop.accepted() ? 1 : 0,
-        ToString(loop.reason));
+    out << fmt::format("{},{},{:.6f},{:.8f},{:.6f},{},{},{},{}\n",
+                       loop.stamp_current_ns,
+                       loop.stamp_old_ns,
+                       fmt::join(Numbers(T.t), ","),
+                       fmt::join(ScalarLast(T.q), ","),
+                       loop.score,
+                       loop.inliers,
+                       loop.is_virtual ? 1 : 0,
+                       loop.accepted() ? 1 : 0,
+                       EnumToString(loop.reason));
   }
 }
 

@@ -85,7 +85,7 @@ class Records {
   std::size_t at_ = 0;
 };
 
-void ReadCameras(ColmapModel* model) {
+void ReadBinaryCameras(ColmapModel* model) {
   Records file(model->directory / "cameras.bin");
   const ColmapFail fail = [&](const std::string& what) { file.Fail(what); };
   for (std::uint64_t left = file.Count(24); left > 0; --left) {
@@ -106,7 +106,7 @@ void ReadCameras(ColmapModel* model) {
   file.RequireEnd();
 }
 
-void ReadImages(ColmapModel* model) {
+void ReadBinaryImages(ColmapModel* model) {
   Records file(model->directory / "images.bin");
   const ColmapFail fail = [&](const std::string& what) { file.Fail(what); };
   for (std::uint64_t left = file.Count(73); left > 0; --left) {
@@ -132,7 +132,7 @@ void ReadImages(ColmapModel* model) {
   file.RequireEnd();
 }
 
-void ReadPoints(ColmapModel* model) {
+void ReadBinaryPoints(ColmapModel* model) {
   Records file(model->directory / "points3D.bin");
   for (std::uint64_t left = file.Count(51); left > 0; --left) {
     const auto id = file.Take<std::uint64_t>();
@@ -152,9 +152,9 @@ void ReadPoints(ColmapModel* model) {
 }  // namespace
 
 void ReadColmapBinary(ColmapModel* model) {
-  ReadCameras(model);
-  ReadImages(model);
-  ReadPoints(model);
+  ReadBinaryCameras(model);
+  ReadBinaryImages(model);
+  ReadBinaryPoints(model);
 }
 
 }  // namespace deja_view::internal

@@ -82,7 +82,7 @@ std::optional<std::vector<double>> ParseNumbers(const std::vector<std::string>& 
   return values;
 }
 
-void ReadCameras(ColmapModel* model) {
+void ReadTextCameras(ColmapModel* model) {
   Lines lines(model->directory / "cameras.txt");
   const ColmapFail fail = [&](const std::string& what) { lines.Fail(what); };
   for (std::vector<std::string> words; lines.NextRecord(&words);) {
@@ -121,7 +121,7 @@ void ReadObservations(const Lines& lines, ColmapImage* image) {
   }
 }
 
-void ReadImages(ColmapModel* model) {
+void ReadTextImages(ColmapModel* model) {
   Lines lines(model->directory / "images.txt");
   const ColmapFail fail = [&](const std::string& what) { lines.Fail(what); };
   for (std::vector<std::string> words; lines.NextRecord(&words);) {
@@ -147,7 +147,7 @@ void ReadImages(ColmapModel* model) {
   }
 }
 
-void ReadPoints(ColmapModel* model) {
+void ReadTextPoints(ColmapModel* model) {
   Lines lines(model->directory / "points3D.txt");
   for (std::vector<std::string> words; lines.NextRecord(&words);) {
     const auto id = ParseId(words[0]);
@@ -163,9 +163,9 @@ void ReadPoints(ColmapModel* model) {
 }  // namespace
 
 void ReadColmapText(ColmapModel* model) {
-  ReadCameras(model);
-  ReadImages(model);
-  ReadPoints(model);
+  ReadTextCameras(model);
+  ReadTextImages(model);
+  ReadTextPoints(model);
 }
 
 }  // namespace deja_view::internal

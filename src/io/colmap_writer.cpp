@@ -58,15 +58,10 @@ void WriteImages(const ColmapModel& model, const fs::path& path) {
     out << "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME\n# X Y POINT3D_ID ...\n";
     for (const ColmapImage& image : model.images) {
       const Rigid3 T = image.T_W_C.Inverse();
-      out << fmt::format("{} {} {} {} {} {} {} {} {} {}\n",
+      out << fmt::format("{} {} {} {} {}\n",
                          image.id,
-                         T.q.w(),
-                         T.q.x(),
-                         T.q.y(),
-                         T.q.z(),
-                         T.t.x(),
-                         T.t.y(),
-                         T.t.z(),
+                         fmt::join(ScalarFirst(T.q), " "),
+                         fmt::join(Numbers(T.t), " "),
                          image.camera,
                          image.name);
       for (const ColmapObservation& o : image.observations) {

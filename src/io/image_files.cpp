@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 std::vector<fs::path> ListImages(const fs::path& directory) {
   static const std::set<std::string> kExtensions = {
-      ".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".bmp"};
+      ".png", ".jpg", ".jpeg", ".webp", ".bmp", ".pgm", ".ppm", ".tif", ".tiff"};
   std::vector<fs::path> paths;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(directory, error)) {

@@ -79,17 +79,10 @@ void WriteTum(const std::filesystem::path& path, const Trajectory& trajectory) {
   WriteFileAtomically(path, [&](std::ostream& stream) {
     stream << "# timestamp tx ty tz qx qy qz qw\n";
     for (std::size_t i = 0; i < trajectory.size(); ++i) {
-      const Eigen::Vector3d& t = trajectory.poses[i].t;
-      const Eigen::Quaterniond& q = trajectory.poses[i].q;
-      stream << fmt::format("{} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f}\n",
+      stream << fmt::format("{} {:.9f} {:.9f}\n",
                             FormatSeconds(trajectory.stamps_ns[i]),
-                            t.x(),
-                            t.y(),
-                            t.z(),
-                            q.x(),
-                            q.y(),
-                            q.z(),
-                            q.w());
+                            fmt::join(Numbers(trajectory.poses[i].t), " "),
+                            fmt::join(ScalarLast(trajectory.poses[i].q), " "));
     }
   });
 }

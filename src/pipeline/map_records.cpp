@@ -11,9 +11,8 @@ namespace deja_view {
 namespace {
 
 void WritePose(const Rigid3& T, BinaryWriter* out) {
-  for (const double value : {T.q.w(), T.q.x(), T.q.y(), T.q.z(), T.t.x(), T.t.y(), T.t.z()}) {
-    out->Write(value);
-  }
+  out->Write(ScalarFirst(T.q));
+  out->Write(Numbers(T.t));
 }
 
 Rigid3 ReadPose(BinaryReader* in, const char* field) {

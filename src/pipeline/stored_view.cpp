@@ -1,7 +1,7 @@
 #include "stored_view.hpp"
 
 #include "deja_view/base/check.hpp"
-#include "deja_view/pipeline/virtual_features.hpp"
+#include "deja_view/views/virtual_features.hpp"
 
 #include <algorithm>
 #include <cmath>

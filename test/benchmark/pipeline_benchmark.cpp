@@ -32,7 +32,7 @@ void BM_Verify(benchmark::State& state) {
         pair.current.features, pair.current.T_W_B.q, pair.old.features, pair.old.T_W_B.q);
     benchmark::DoNotOptimize(v);
   }
-  state.SetLabel(ToString(v.reason));
+  state.SetLabel(EnumToString(v.reason));
   state.counters["inliers"] = v.inliers;
 }
 // Points that look alike in both images: a loop, a hard one (60 of the 150 tracked), another place.

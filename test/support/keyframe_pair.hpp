@@ -1,6 +1,5 @@
 #pragma once
 
-#include "deja_view/camera/pinhole_camera.hpp"
 #include "deja_view/verification/loop_verifier.hpp"
 
 #include <memory>
@@ -8,6 +7,7 @@
 #include <vector>
 
 #include "random_vocabulary.hpp"
+#include "test_cameras.hpp"
 
 namespace deja_view::test {
 
@@ -41,13 +41,7 @@ struct KeyframePair {
 };
 
 inline std::shared_ptr<const Camera> WideCamera() {
-  PinholeParameters p;
-  p.width = 752;
-  p.height = 480;
-  p.fx = p.fy = 458;
-  p.cx = 375;
-  p.cy = 239;
-  return std::make_shared<PinholeCamera>(p);
+  return SharedPinholeOf(752, 480, 458, 375, 239);
 }
 
 /// The camera looks along the body's x axis.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "deja_view/base/angles.hpp"
 #include "deja_view/verification/relative_pose.hpp"
 
 #include <algorithm>
@@ -98,7 +99,6 @@ class RigPoseSceneMaker {
     scene->observations.push_back(o);
   }
 
-  static constexpr double kDegree = 3.14159265358979323846 / 180.0;
   RigPoseSceneOptions options_;
   std::mt19937 rng_;
   std::normal_distribution<double> normal_;

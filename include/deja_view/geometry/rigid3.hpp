@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -53,6 +54,17 @@ Eigen::Vector3d LogSo3(const Eigen::Quaterniond& q);
 /// The rotation nearest to a matrix (in the Frobenius norm), as read from a rounded file. Nothing
 /// for one that is not finite, mirrors, or whose |R R^T - I| has an entry above `tolerance`.
 std::optional<Eigen::Quaterniond> NearestRotation(const Eigen::Matrix3d& matrix, double tolerance);
+
+/// The numbers of a pose as files and messages have them.
+inline std::array<double, 3> Numbers(const Eigen::Vector3d& t) {
+  return {t.x(), t.y(), t.z()};
+}
+inline std::array<double, 4> ScalarLast(const Eigen::Quaterniond& q) {
+  return {q.x(), q.y(), q.z(), q.w()};
+}
+inline std::array<double, 4> ScalarFirst(const Eigen::Quaterniond& q) {
+  return {q.w(), q.x(), q.y(), q.z()};
+}
 
 /// Matrix S with S * v = w x v.
 Eigen::Matrix3d Skew(const Eigen::Vector3d& w);

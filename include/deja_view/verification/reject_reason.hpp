@@ -1,6 +1,9 @@
 #pragma once
 
-#include <string>
+#include "deja_view/base/enum_names.hpp"
+
+#include <array>
+#include <utility>
 
 namespace deja_view {
 
@@ -23,7 +26,23 @@ enum class RejectReason {
 
 constexpr int kRejectReasonCount = static_cast<int>(RejectReason::kImplausible) + 1;
 
-/// "accepted" for kNone, else the reason in snake_case, as in loops.csv and the diagnostics.
-std::string ToString(RejectReason reason);
+/// As in loops.csv and the diagnostics.
+template <>
+struct EnumNames<RejectReason> {
+  static constexpr std::array<std::pair<RejectReason, const char*>, kRejectReasonCount> kNames = {
+      {{RejectReason::kNone, "accepted"},
+       {RejectReason::kNoCandidate, "no_candidate"},
+       {RejectReason::kTooFewPoints, "too_few_points"},
+       {RejectReason::kTooFewMatches, "too_few_matches"},
+       {RejectReason::kTooFewInliers, "too_few_inliers"},
+       {RejectReason::kByChance, "by_chance"},
+       {RejectReason::kLowInlierRatio, "low_inlier_ratio"},
+       {RejectReason::kTooFar, "too_far"},
+       {RejectReason::kTooMuchYaw, "too_much_yaw"},
+       {RejectReason::kGravity, "gravity"},
+       {RejectReason::kUncertain, "uncertain"},
+       {RejectReason::kInconsistent, "inconsistent"},
+       {RejectReason::kImplausible, "implausible"}}};
+};
 
 }  // namespace deja_view

@@ -16,4 +16,11 @@ VirtualFeatures ExtractVirtualFeatures(const RenderedView& view,
                                        const FeatureExtractor& extractor,
                                        double min_opacity);
 
+/// The same of a view as its message carries it: keypoints whose certainty is at least
+/// `min_certainty` (of 1; all where the view tells none), with the depth of those that stand on no
+/// depth edge and no sigma. The view must have an image.
+VirtualFeatures ExtractVirtualFeatures(const VirtualView& view,
+                                       const FeatureExtractor& extractor,
+                                       double min_certainty);
+
 }  // namespace deja_view

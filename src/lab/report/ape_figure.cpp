@@ -4,18 +4,14 @@
 
 #include <array>
 
+#include "axes.hpp"
 #include "legend.hpp"
 #include <fmt/format.h>
 
 namespace deja_view::report {
 namespace {
 
-constexpr double kWidth = 1080;
-constexpr double kHeight = 340;
-constexpr double kLeft = 76;
-constexpr double kTop = 78;
-constexpr double kRight = 28;
-constexpr double kBottom = 50;
+constexpr double kApeHeight = 340;
 
 struct Statistic {
   const char* name;
@@ -63,9 +59,9 @@ std::string ApeFigure(const std::vector<JudgedRun>& runs) {
   for (const Bars& bars : all) {
     errors.Include(1.08 * bars.ape.max);
   }
-  Svg svg(kWidth, kHeight, "Position errors", "Statistics of the position error, bars per run.");
+  Svg svg(kWidth, kApeHeight, "Position errors", "Statistics of the position error, bars per run.");
   const Plot plot(
-      {kLeft, kTop}, {kWidth - kLeft - kRight, kHeight - kTop - kBottom}, groups, errors);
+      {kLeft, kTop}, {kWidth - kLeft - kRight, kApeHeight - kTop - kBottom}, groups, errors);
   svg.AddText("title", {kLeft - 48, 30}, "Position errors");
   Legend legend({kLeft - 48, 55}, &svg);
   plot.DrawAxes("", "error [m]", &svg);

@@ -13,8 +13,8 @@ std::string DrawCurves(const CurveFigure& figure,
                        const std::vector<Curve>& curves,
                        const Range& x,
                        const Range& y) {
-  Svg svg(kWidth, kHeight, figure.title, figure.description);
-  const Plot plot({kLeft, kTop}, {kWidth - kLeft - kRight, kHeight - kTop - kBottom}, x, y);
+  Svg svg(kWidth, kCurveHeight, figure.title, figure.description);
+  const Plot plot({kLeft, kTop}, {kWidth - kLeft - kRight, kCurveHeight - kTop - kBottom}, x, y);
   svg.AddText("title", {kLeft - 48, 30}, figure.title);
   Legend legend({kLeft - 48, 55}, &svg);
   plot.DrawAxes(figure.x_name, figure.y_name, &svg);

@@ -5,15 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "axes.hpp"
+
 namespace deja_view::report {
 
-/// Of figures with a title, a legend and axes [px].
-constexpr double kWidth = 1080;
-constexpr double kHeight = 400;
-constexpr double kLeft = 76;
-constexpr double kTop = 78;
-constexpr double kRight = 28;
-constexpr double kBottom = 50;
+constexpr double kCurveHeight = 400;  ///< [px] of a figure
 
 constexpr std::size_t kMostCurves = 4;  ///< that have a colour of their own
 

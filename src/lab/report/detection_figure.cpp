@@ -5,18 +5,17 @@
 #include <array>
 #include <set>
 
+#include "axes.hpp"
 #include "legend.hpp"
 #include <fmt/format.h>
 
 namespace deja_view::report {
 namespace {
 
-constexpr double kWidth = 1080;
-constexpr double kLeft = 28;
-constexpr double kTop = 74;
+constexpr double kTableLeft = 28;
+constexpr double kTableTop = 74;
 constexpr double kRow = 46;  ///< a run's, with its name above the ticks
 constexpr double kTick = 20;
-constexpr double kBottom = 50;
 
 /// Times [s] of the keyframes with an accepted loop.
 std::set<double> Detections(const JudgedRun& run) {
@@ -58,26 +57,26 @@ std::string DetectionFigure(const std::vector<JudgedRun>& runs) {
   }
   const double rows = kRow * static_cast<double>(runs.size());
   Svg svg(kWidth,
-          kTop + rows + kBottom,
+          kTableTop + rows + kBottom,
           "Keyframes with a loop",
           "A tick per keyframe for which a loop was detected, a row per run.");
   Range unit;
   unit.Include(0);
   unit.Include(1);
-  const Plot plot({kLeft, kTop}, {kWidth - 2 * kLeft, rows}, times, unit);
-  svg.AddText("title", {kLeft, 30}, "Keyframes with a loop");
-  Legend legend({kLeft, 55}, &svg);
+  const Plot plot({kTableLeft, kTableTop}, {kWidth - 2 * kTableLeft, rows}, times, unit);
+  svg.AddText("title", {kTableLeft, 30}, "Keyframes with a loop");
+  Legend legend({kTableLeft, 55}, &svg);
   legend.AddLine("run0", "as in the run before");
   legend.AddLine("run3", "further ones");
   plot.DrawAxes("time [s]", "", &svg);
   std::set<double> before;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const std::set<double> found = Detections(runs[i]);
-    const double y = kTop + kRow * static_cast<double>(i);
+    const double y = kTableTop + kRow * static_cast<double>(i);
     const int further = DrawRow(found, i == 0 ? nullptr : &before, plot, y + kRow - kTick, &svg);
     std::string text = fmt::format("{}, {}", runs[i].run.name, found.size());
     text += i == 0 ? "" : fmt::format(", {} further", further);
-    svg.AddText("small halo", {kLeft, y + kRow - kTick - 6}, text);
+    svg.AddText("small halo", {kTableLeft, y + kRow - kTick - 6}, text);
     before = found;
   }
   return svg.ToString();

@@ -4,20 +4,16 @@
 
 #include <set>
 
+#include "axes.hpp"
 #include "legend.hpp"
 #include <fmt/format.h>
 
 namespace deja_view::report {
 namespace {
 
-constexpr double kWidth = 1080;
-constexpr double kHeight = 380;
-constexpr double kLeft = 76;
-constexpr double kTop = 78;
-constexpr double kRight = 28;
-constexpr double kBottom = 50;
+constexpr double kErrorHeight = 380;
 
-struct Curve {
+struct ErrorCurve {
   std::string name;
   std::string css_class;
   const std::vector<double>& times_s;
@@ -25,8 +21,8 @@ struct Curve {
   const std::optional<ApeStatistics>& ape;
 };
 
-std::vector<Curve> Curves(const std::vector<JudgedRun>& runs) {
-  std::vector<Curve> curves;
+std::vector<ErrorCurve> Curves(const std::vector<JudgedRun>& runs) {
+  std::vector<ErrorCurve> curves;
   const JudgedRun& first = runs.front();
   curves.push_back({"odometry alone", "vio", first.times_s, first.vio_errors, first.vio_ape});
   for (std::size_t i = 0; i < runs.size(); ++i) {
@@ -40,7 +36,7 @@ std::vector<Curve> Curves(const std::vector<JudgedRun>& runs) {
   return curves;
 }
 
-void DrawCurve(const Curve& curve, const Plot& plot, Svg* svg) {
+void DrawCurve(const ErrorCurve& curve, const Plot& plot, Svg* svg) {
   const std::vector<Point> points = plot.ToPixels(curve.times_s, curve.errors);
   svg->AddArea("area " + curve.css_class, points, plot.ToPixel(plot.x().min, 0).y());
   if (curve.ape) {
@@ -75,11 +71,11 @@ void DrawLoopTicks(const JudgedRun& run, const Plot& plot, Svg* svg) {
 
 std::string ErrorFigure(const std::vector<JudgedRun>& runs) {
   DEJA_VIEW_CHECK(!runs.empty());
-  const std::vector<Curve> curves = Curves(runs);
+  const std::vector<ErrorCurve> curves = Curves(runs);
   Range times;
   Range errors;
   errors.Include(0);
-  for (const Curve& curve : curves) {
+  for (const ErrorCurve& curve : curves) {
     times.Include(curve.times_s);
     errors.Include(curve.errors);
   }
@@ -88,16 +84,16 @@ std::string ErrorFigure(const std::vector<JudgedRun>& runs) {
   errors.Include(-0.06 * largest);  // a band for the loops
   Svg svg(
       kWidth,
-      kHeight,
+      kErrorHeight,
       "Position error over time",
       "Distance to the true position per keyframe, after alignment, before and after loops were "
       "closed.");
   const Plot plot(
-      {kLeft, kTop}, {kWidth - kLeft - kRight, kHeight - kTop - kBottom}, times, errors);
+      {kLeft, kTop}, {kWidth - kLeft - kRight, kErrorHeight - kTop - kBottom}, times, errors);
   svg.AddText("title", {kLeft - 48, 30}, "Position error over time");
   Legend legend({kLeft - 48, 55}, &svg);
   plot.DrawAxes("time [s]", "error [m]", &svg);
-  for (const Curve& curve : curves) {
+  for (const ErrorCurve& curve : curves) {
     DrawCurve(curve, plot, &svg);
     legend.AddLine(
         curve.css_class,

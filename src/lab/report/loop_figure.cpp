@@ -3,18 +3,14 @@
 
 #include <algorithm>
 
+#include "axes.hpp"
 #include "legend.hpp"
 #include <fmt/format.h>
 
 namespace deja_view::report {
 namespace {
 
-constexpr double kWidth = 1080;
-constexpr double kHeight = 560;
-constexpr double kLeft = 76;
-constexpr double kTop = 78;
-constexpr double kRight = 28;
-constexpr double kBottom = 50;
+constexpr double kLoopHeight = 560;
 
 /// Half of the time to the neighbouring keyframes: where a keyframe's cell begins and ends.
 Range Cell(const std::vector<double>& times_s, std::size_t i) {
@@ -75,11 +71,12 @@ std::string LoopFigure(const JudgedRun& run) {
   Range times;
   times.Include(run.times_s);
   Svg svg(kWidth,
-          kHeight,
+          kLoopHeight,
           "Loops: " + run.run.name,
           "Every verified loop candidate by the time of its keyframe and of the keyframe it was "
           "matched with; shaded where both saw the same place.");
-  const Plot plot({kLeft, kTop}, {kWidth - kLeft - kRight, kHeight - kTop - kBottom}, times, times);
+  const Plot plot(
+      {kLeft, kTop}, {kWidth - kLeft - kRight, kLoopHeight - kTop - kBottom}, times, times);
   const auto is = [&run](bool accepted, bool wrong) {
     return [&run, accepted, wrong](std::size_t i) {
       const bool is_wrong = run.verdicts[i] == Verdict::kWrong;

@@ -10,8 +10,8 @@ namespace deja_view::report {
 namespace {
 
 constexpr double kPanel = 530;  ///< width of an image
-constexpr double kGap = 20;
-constexpr double kTop = 34;
+constexpr double kImageGap = 20;
+constexpr double kImageTop = 34;
 constexpr double kBetween = 30;  ///< rows; their captions are there
 
 const Picture* Find(const Pictures& pictures, std::int64_t stamp_ns, int view) {
@@ -49,13 +49,13 @@ struct Panel {
   }
 };
 
-struct Row {
+struct ImageRow {
   int view = -1;
   Panel old;
   Panel current;
 };
 
-void DrawRow(const MatchedLoop& loop, const Row& row, Svg* svg) {
+void DrawRow(const MatchedLoop& loop, const ImageRow& row, Svg* svg) {
   const std::string color = row.view < 0 ? "inlier" : "viewinlier";
   row.old.Draw(svg);
   row.current.Draw(svg);
@@ -143,21 +143,22 @@ std::string MatchFigure(const MatchedLoop& loop, const Pictures& pictures, std::
     const Picture* picture = Find(pictures, stamp_ns, view);
     return Panel{picture != nullptr ? *picture : Unknown(loop), {x, y}};
   };
-  std::vector<Row> rows;
-  double y = kTop;
+  std::vector<ImageRow> rows;
+  double y = kImageTop;
   for (const int view : {-1, loop.BestView()}) {
     if (view < 0 && !rows.empty()) {
       break;
     }
     rows.push_back({view,
                     panel(loop.stamp_old_ns, view, 0, y),
-                    panel(loop.stamp_current_ns, -1, kPanel + kGap, y)});
+                    panel(loop.stamp_current_ns, -1, kPanel + kImageGap, y)});
     y += std::max(rows.back().old.height(), rows.back().current.height()) + kBetween;
   }
   const std::string title = MatchTitle(loop, start_ns);
-  Svg svg(2 * kPanel + kGap, y, title, "Inliers joined by lines; the old image is on the left.");
+  Svg svg(
+      2 * kPanel + kImageGap, y, title, "Inliers joined by lines; the old image is on the left.");
   svg.AddText("title", {0, 20}, title);
-  for (const Row& row : rows) {
+  for (const ImageRow& row : rows) {
     DrawRow(loop, row, &svg);
   }
   return svg.ToString();

@@ -12,7 +12,7 @@ namespace deja_view::report {
 namespace {
 
 constexpr double kScores = 640;  ///< width of the scores over time
-constexpr double kGap = 34;
+constexpr double kPlotGap = 34;
 
 Range Unit() {
   return {0, 1, false};
@@ -86,13 +86,13 @@ std::string ScoreFigure(const Sweep& sweep) {
   }
   const std::string title = "Scores: " + sweep.name;
   Svg svg(kWidth,
-          kHeight,
+          kCurveHeight,
           title,
           "The best score of every keyframe over time, and precision and recall of a threshold "
           "at that score.");
-  const double height = kHeight - kTop - kBottom;
+  const double height = kCurveHeight - kTop - kBottom;
   const Plot left({kLeft, kTop}, {kScores, height}, times, scores);
-  const double begin = kLeft + kScores + kGap;
+  const double begin = kLeft + kScores + kPlotGap;
   const Plot right({begin, kTop}, {kWidth - begin - kRight, height}, Unit(), scores);
   const SweepPoint chosen = PickThreshold(sweep.points, 1.0);
   svg.AddText("title", {kLeft - 48, 30}, title + "; " + Chosen(chosen));

@@ -5,18 +5,18 @@
 #include <cmath>
 #include <limits>
 
+#include "axes.hpp"
 #include "legend.hpp"
 #include <fmt/format.h>
 
 namespace deja_view::report {
 namespace {
 
-constexpr double kWidth = 1080;
 constexpr double kMargin = 28;
-constexpr double kGap = 32;
+constexpr double kPanelGap = 32;
 constexpr double kTitleHeight = 66;
 constexpr double kLegendHeight = 52;
-constexpr double kPanelWidth = (kWidth - 2 * kMargin - kGap) / 2;
+constexpr double kPanelWidth = (kWidth - 2 * kMargin - kPanelGap) / 2;
 constexpr double kMaxPanelHeight = 560;
 constexpr double kMinPanelHeight = 220;
 constexpr double kPause = 2.0;  ///< [s] keyframes further apart are not joined by a line
@@ -198,7 +198,7 @@ std::string TrajectoryFigure(const JudgedRun& run) {
   for (const Panel& panel : panels) {
     const Plot plot({left, kTitleHeight}, {kPanelWidth, view.panel_height}, view.x, view.y);
     DrawPanel(run, panel, plot, scale, &svg);
-    left += kPanelWidth + kGap;
+    left += kPanelWidth + kPanelGap;
     if (&panel == &panels[1]) {
       DrawScaleBar(plot, &svg);
     }

@@ -15,7 +15,7 @@ constexpr double kTwoPi = 2 * kPi;
 constexpr double kStep = 0.5;       // [s] between knots
 constexpr double kRamp = 1.5;       // [s] to speed up and to slow down
 constexpr double kMostSpeed = 1.6;  // momentary over mean
-constexpr std::uint64_t kStream = 30;
+constexpr std::uint64_t kPlannerStream = 30;
 
 double SmoothStep(double x) {
   const double c = std::clamp(x, 0.0, 1.0);
@@ -33,7 +33,7 @@ double FlightPlanner::Wave::At(double angle) const {
 }
 
 FlightPlanner::FlightPlanner(const World& world, const FlightOptions& options, std::uint64_t seed)
-    : world_(world), options_(options), rng_(seed, kStream) {
+    : world_(world), options_(options), rng_(seed, kPlannerStream) {
   const double room = 0.5 * std::min(world.size().x(), world.size().y());
   wave_aside_ = DrawWave(0.07 * room);
   wave_up_ = DrawWave(0.2);

@@ -7,7 +7,7 @@
 namespace deja_view::sim {
 namespace {
 
-constexpr std::uint64_t kStream = 40;
+constexpr std::uint64_t kImuStream = 40;
 
 Eigen::Vector3d DrawNormal(Rng* rng) {
   const double x = rng->Normal();
@@ -21,7 +21,7 @@ std::vector<ImuSample> SimulateImu(const FlightPath& path,
                                    const ImuOptions& options,
                                    std::int64_t start_stamp_ns,
                                    std::uint64_t seed) {
-  Rng rng(seed, kStream);
+  Rng rng(seed, kImuStream);
   Eigen::Vector3d gyro_bias = options.gyro_bias * DrawNormal(&rng);
   Eigen::Vector3d accel_bias = options.accel_bias * DrawNormal(&rng);
   const double root_rate = std::sqrt(options.rate_hz);

@@ -10,7 +10,7 @@ namespace deja_view::sim {
 namespace {
 
 constexpr double kStep = 0.05;  // [s]
-constexpr std::uint64_t kStream = 50;
+constexpr std::uint64_t kDriftStream = 50;
 
 // Noise at amplitude 1, in proportions as VINS-Mono shows them in halls of this size.
 constexpr double kYawRate = 0.0012;  // [rad/s] at 1 m/s
@@ -36,7 +36,7 @@ class Markov {
 
 VioDrift::VioDrift(const FlightPath& path, const VioOptions& options, std::uint64_t seed) {
   DrawNoise(path, options, seed);
-  Rng rng(seed, kStream + 1);
+  Rng rng(seed, kDriftStream + 1);
   drift_ = rng.Uniform(options.drift_min, options.drift_max);
   const Rigid3 first = path.Pose(0);
   const Eigen::Quaterniond q_V_W = FromYaw(rng.Uniform(-3.0, 3.0));
@@ -54,7 +54,7 @@ VioDrift::VioDrift(const FlightPath& path, const VioOptions& options, std::uint6
 }
 
 void VioDrift::DrawNoise(const FlightPath& path, const VioOptions& options, std::uint64_t seed) {
-  Rng rng(seed, kStream);
+  Rng rng(seed, kDriftStream);
   Markov yaw_rate(4.0, &rng);
   Markov scale(30.0, &rng);
   Markov vx(4.0, &rng);

@@ -12,7 +12,7 @@
 namespace deja_view::sim {
 namespace {
 
-constexpr std::uint64_t kStream = 60;
+constexpr std::uint64_t kFrontEndStream = 60;
 constexpr std::size_t kWindow = 10;      // frames, VINS-Mono's sliding window
 constexpr int kLeastAge = 3;             // frames before a point is triangulated
 constexpr double kLossPerFrame = 0.005;  // tracks that are lost for no visible reason
@@ -32,7 +32,7 @@ VioFrontEnd::VioFrontEnd(std::shared_ptr<const World> world,
       camera_(std::move(camera)),
       T_B_C_(T_B_C),
       options_(options),
-      rng_(seed, kStream) {
+      rng_(seed, kFrontEndStream) {
   DEJA_VIEW_CHECK(world_ != nullptr && camera_ != nullptr);
   min_distance_px_ = std::max(2.0, options.min_distance_px * camera_->width() / 752.0);
 }

@@ -64,15 +64,10 @@ std::uint64_t HashJob(const ViewJob& job, const std::vector<SourceImage>& images
                       job.content.depth);
   for (const SourceImage& image : images) {
     const Rigid3& T = image.T_N_C;
-    text += fmt::format("{} {} {} {} {} {} {} {}\n",
+    text += fmt::format("{} {} {}\n",
                         image.stamp_ns,
-                        T.t.x(),
-                        T.t.y(),
-                        T.t.z(),
-                        T.q.w(),
-                        T.q.x(),
-                        T.q.y(),
-                        T.q.z());
+                        fmt::join(Numbers(T.t), " "),
+                        fmt::join(ScalarFirst(T.q), " "));
   }
   return Hash64(text);
 }

@@ -241,16 +241,13 @@ sensor_msgs::PointCloud ToMatchPoints(const Relocalisation& relocalisation,
   }
   const Rigid3& T = relocalisation.T_M_Bold;
   sensor_msgs::ChannelFloat32 channel;
-  for (const double value : {T.t.x(),
-                             T.t.y(),
-                             T.t.z(),
-                             T.q.w(),
-                             T.q.x(),
-                             T.q.y(),
-                             T.q.z(),
-                             static_cast<double>(current)}) {
+  for (const double value : Numbers(T.t)) {
     channel.values.push_back(static_cast<float>(value));
   }
+  for (const double value : ScalarFirst(T.q)) {
+    channel.values.push_back(static_cast<float>(value));
+  }
+  channel.values.push_back(static_cast<float>(current));
   message.channels.push_back(std::move(channel));
   return message;
 }

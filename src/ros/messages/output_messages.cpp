@@ -77,7 +77,7 @@ LoopConstraint ToLoopConstraint(const LoopReport& loop, const FrameNames& frames
   message.inliers = loop.inliers;
   message.is_virtual = loop.is_virtual;
   message.accepted = loop.accepted();
-  message.reason = ToString(loop.reason);
+  message.reason = EnumToString(loop.reason);
   return message;
 }
 

@@ -154,15 +154,10 @@ void WriteRefinedPoses(const std::filesystem::path& path,
     out << "# image tx ty tz qx qy qz qw (T_N_C, camera in the frame of the given poses)\n";
     for (std::size_t i = 0; i < poses.size(); ++i) {
       const Rigid3& T = poses[i];
-      out << fmt::format("{} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f}\n",
+      out << fmt::format("{} {:.9f} {:.9f}\n",
                          names[i],
-                         T.t.x(),
-                         T.t.y(),
-                         T.t.z(),
-                         T.q.x(),
-                         T.q.y(),
-                         T.q.z(),
-                         T.q.w());
+                         fmt::join(Numbers(T.t), " "),
+                         fmt::join(ScalarLast(T.q), " "));
     }
   });
 }

@@ -75,7 +75,7 @@ Json ToJson(const ReplayResult& r) {
   Json reasons;
   for (int i = 0; i < kRejectReasonCount; ++i) {
     const auto reason = static_cast<RejectReason>(i);
-    reasons[ToString(reason)] = std::count_if(
+    reasons[EnumToString(reason)] = std::count_if(
         r.loops.begin(), r.loops.end(), [&](const LoopReport& l) { return l.reason == reason; });
   }
   json["reasons"] = reasons;

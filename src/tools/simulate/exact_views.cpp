@@ -1,7 +1,7 @@
 #include "simulate/exact_views.hpp"
 
 #include "deja_view/features/make_feature_extractor.hpp"
-#include "deja_view/pipeline/virtual_features.hpp"
+#include "deja_view/views/virtual_features.hpp"
 
 #include <utility>
 

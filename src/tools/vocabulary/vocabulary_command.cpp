@@ -5,6 +5,7 @@
 #include "deja_view/base/parallel.hpp"
 #include "deja_view/base/progress.hpp"
 #include "deja_view/features/make_feature_extractor.hpp"
+#include "deja_view/io/image_files.hpp"
 #include "deja_view/vocabulary/vocabulary.hpp"
 #include "deja_view/vocabulary/vocabulary_files.hpp"
 
@@ -13,9 +14,9 @@
 #include <iostream>
 #include <memory>
 #include <optional>
-#include <set>
 
 #include "common/commands.hpp"
+#include "common/tool_figures.hpp"
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
 
@@ -24,35 +25,11 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-using Clock = std::chrono::steady_clock;
-
-double SecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 std::vector<fs::path> FindImages(const std::vector<fs::path>& directories) {
-  static const std::set<std::string> kExtensions = {
-      ".png", ".jpg", ".jpeg", ".webp", ".bmp", ".pgm", ".ppm", ".tif", ".tiff"};
   std::vector<fs::path> paths;
   for (const fs::path& directory : directories) {
-    std::error_code error;
-    std::vector<fs::path> here;
-    for (const auto& entry : fs::directory_iterator(directory, error)) {
-      std::string extension = entry.path().extension().string();
-      std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) {
-        return static_cast<char>(std::tolower(c));
-      });
-      if (kExtensions.count(extension) > 0) {
-        here.push_back(entry.path());
-      }
-    }
-    if (error) {
-      ThrowInputError("--images {}: {}", directory.string(), error.message());
-    }
-    if (here.empty()) {
-      ThrowInputError("--images {}: holds no image", directory.string());
-    }
-    std::sort(here.begin(), here.end());
+    const std::vector<fs::path> here = ListImages(directory);
     paths.insert(paths.end(), here.begin(), here.end());
   }
   return paths;

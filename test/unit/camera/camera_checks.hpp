@@ -2,6 +2,7 @@
 
 #include "deja_view/camera/camera.hpp"
 
+#include <functional>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -51,6 +52,19 @@ inline void ExpectJacobian(const Camera& camera) {
           (*camera.Project(p_C + delta) - *camera.Project(p_C - delta)) / (2 * step);
       EXPECT_LT((numeric - J.col(k)).norm(), 1e-5 * (1.0 + J.norm())) << p_C.transpose();
     }
+  }
+}
+
+/// Project gives what `reference` does, to 1e-9 px.
+inline void ExpectProjectsAs(
+    const Camera& camera,
+    const std::function<Eigen::Vector2d(const Eigen::Vector3d& p_C)>& reference) {
+  std::mt19937 rng(1);
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::Vector3d p_C = RandomPointInFront(rng);
+    const auto pixel = camera.Project(p_C);
+    ASSERT_TRUE(pixel.has_value());
+    EXPECT_LT((*pixel - reference(p_C)).cwiseAbs().maxCoeff(), 1e-9) << p_C.transpose();
   }
 }
 

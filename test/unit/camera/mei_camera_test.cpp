@@ -34,22 +34,12 @@ TEST(MeiCamera, ProjectsAsOpenCv) {
     const MeiCamera camera(p);
     const cv::Matx33d K(p.gamma1, 0, p.u0, 0, p.gamma2, p.v0, 0, 0, 1);
     const cv::Vec4d distortion(p.k1, p.k2, p.p1, p.p2);
-    std::mt19937 rng(1);
-    for (int i = 0; i < 200; ++i) {
-      const Eigen::Vector3d p_C = test::RandomPointInFront(rng);
-      std::vector<cv::Vec2d> expected;
-      cv::omnidir::projectPoints(std::vector<cv::Vec3d>{{p_C.x(), p_C.y(), p_C.z()}},
-                                 expected,
-                                 cv::Vec3d(),
-                                 cv::Vec3d(),
-                                 K,
-                                 p.xi,
-                                 distortion);
-      const auto pixel = camera.Project(p_C);
-      ASSERT_TRUE(pixel.has_value());
-      EXPECT_NEAR(pixel->x(), expected[0][0], 1e-9);
-      EXPECT_NEAR(pixel->y(), expected[0][1], 1e-9);
-    }
+    test::ExpectProjectsAs(camera, [&](const Eigen::Vector3d& p_C) {
+      std::vector<cv::Vec2d> pixels;
+      const std::vector<cv::Vec3d> points = {{p_C.x(), p_C.y(), p_C.z()}};
+      cv::omnidir::projectPoints(points, pixels, cv::Vec3d(), cv::Vec3d(), K, p.xi, distortion);
+      return Eigen::Vector2d(pixels[0][0], pixels[0][1]);
+    });
   }
 }
 #else

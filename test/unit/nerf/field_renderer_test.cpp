@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "closed_form.hpp"
+#include "test_cameras.hpp"
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
@@ -12,13 +13,7 @@ namespace deja_view::nerf {
 namespace {
 
 PinholeCamera OddCamera() {
-  PinholeParameters parameters;
-  parameters.width = 37;
-  parameters.height = 21;
-  parameters.fx = parameters.fy = 25;
-  parameters.cx = 18;
-  parameters.cy = 10;
-  return PinholeCamera(parameters);
+  return PinholeOf(37, 21, 25, 18, 10);
 }
 
 bool Equal(const cv::Mat& a, const cv::Mat& b) {

@@ -1,12 +1,11 @@
 #pragma once
 
-#include "deja_view/camera/pinhole_camera.hpp"
-
 #include <filesystem>
 #include <memory>
 #include <string>
 
 #include "temporary_directory.hpp"
+#include "test_cameras.hpp"
 #include <opencv2/imgcodecs.hpp>
 
 namespace deja_view::nerf {
@@ -22,13 +21,7 @@ class ImageFilesTest : public TemporaryDirectoryTest {
   }
 
   static std::shared_ptr<const Camera> SmallCamera() {
-    PinholeParameters parameters;
-    parameters.width = 16;
-    parameters.height = 12;
-    parameters.fx = parameters.fy = 10;
-    parameters.cx = 7.5;
-    parameters.cy = 5.5;
-    return std::make_shared<PinholeCamera>(parameters);
+    return SharedPinholeOf(16, 12, 10, 7.5, 5.5);
   }
 };
 

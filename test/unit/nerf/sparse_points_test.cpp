@@ -1,11 +1,10 @@
 #include "deja_view/nerf/sparse_points.hpp"
 
-#include "deja_view/camera/pinhole_camera.hpp"
-
 #include <cmath>
 #include <memory>
 #include <random>
 
+#include "test_cameras.hpp"
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
@@ -15,13 +14,7 @@ namespace {
 constexpr double kWall = 4;  ///< [m] along z
 
 std::shared_ptr<const Camera> MakeCamera() {
-  PinholeParameters parameters;
-  parameters.width = 320;
-  parameters.height = 240;
-  parameters.fx = parameters.fy = 240;
-  parameters.cx = 159.5;
-  parameters.cy = 119.5;
-  return std::make_shared<PinholeCamera>(parameters);
+  return SharedPinholeOf(320, 240, 240, 159.5, 119.5);
 }
 
 // Random grey squares of 8 cm on the plane z = kWall.

@@ -2,6 +2,7 @@
 
 #include "deja_view/base/angles.hpp"
 
+#include "second.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -10,8 +11,6 @@ namespace {
 
 using testing::ElementsAre;
 using testing::IsEmpty;
-
-constexpr std::int64_t kSecond = 1'000'000'000;
 
 /// The keyframe's index is its time in seconds.
 RetrievedPlace Place(int keyframe, double score, int sequence = 0) {

@@ -1,5 +1,6 @@
 #include "deja_view/pipeline/loop_closer.hpp"
 
+#include "deja_view/base/angles.hpp"
 #include "deja_view/base/check.hpp"
 #include "deja_view/lab/evaluation/ape.hpp"
 
@@ -21,8 +22,6 @@ using test::Fly;
 using test::MakeCloser;
 using test::Outcome;
 using test::SmallFlight;
-
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 void ExpectSameBits(const Outcome& a, const Outcome& b) {
   ASSERT_EQ(a.keyframes.size(), b.keyframes.size());

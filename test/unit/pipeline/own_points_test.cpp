@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "test_cameras.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,13 +13,7 @@ namespace deja_view {
 namespace {
 
 PinholeCamera TestCamera() {
-  PinholeParameters p;
-  p.width = 640;
-  p.height = 480;
-  p.fx = p.fy = 500;
-  p.cx = 320;
-  p.cy = 240;
-  return PinholeCamera(p);
+  return PinholeOf(640, 480, 500, 320, 240);
 }
 
 KeyframeFeatures OneTrackedPoint() {

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "random_vocabulary.hpp"
+#include "second.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -14,8 +15,6 @@ namespace {
 using testing::Each;
 using testing::ElementsAre;
 using testing::IsEmpty;
-
-constexpr std::int64_t kSecond = 1'000'000'000;
 
 std::shared_ptr<const Vocabulary> MakeVocabulary() {
   static const auto vocabulary = Vocabulary::FromTree(test::RandomTree(5, 3, 7));

@@ -2,7 +2,7 @@
 #include "deja_view/features/make_feature_extractor.hpp"
 #include "deja_view/lab/sim/exact_views.hpp"
 #include "deja_view/pipeline/loop_closer.hpp"
-#include "deja_view/pipeline/virtual_features.hpp"
+#include "deja_view/views/virtual_features.hpp"
 
 #include <algorithm>
 #include <cmath>

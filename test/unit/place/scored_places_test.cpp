@@ -8,15 +8,15 @@
 namespace deja_view {
 namespace {
 
-std::shared_ptr<const Vocabulary> MakeVocabulary() {
+std::shared_ptr<const Vocabulary> ScoredVocabulary() {
   static const auto vocabulary = Vocabulary::FromTree(test::RandomTree(5, 3, 7));
   return vocabulary;
 }
 
-BowVector RandomBow(std::mt19937_64* rng) {
+BowVector FewRandomWords(std::mt19937_64* rng) {
   std::vector<WordId> words;
   std::uniform_int_distribution<WordId> word(
-      0, static_cast<WordId>(MakeVocabulary()->word_count()) - 1);
+      0, static_cast<WordId>(ScoredVocabulary()->word_count()) - 1);
   for (int i = 0; i < 40; ++i) {
     words.push_back(word(*rng));
   }
@@ -31,14 +31,14 @@ TEST_P(ScoredPlacesOf, GivesWhatTheEquationsGive) {
   options.weights = GetParam();
   options.synonym_radius = 118;  // of random centroids, some are this near
   options.synonym_sigma = 60;
-  const auto vocabulary = MakeVocabulary();
+  const auto vocabulary = ScoredVocabulary();
   ScoredPlaces places(options, vocabulary);
   std::mt19937_64 rng(3);
   std::vector<BowVector> originals;
   std::vector<BowVector> views;
   for (int id = 0; id < 20; ++id) {
-    originals.push_back(RandomBow(&rng));
-    views.push_back(RandomBow(&rng));
+    originals.push_back(FewRandomWords(&rng));
+    views.push_back(FewRandomWords(&rng));
     places.Add(id, originals.back(), 0);
     if (id % 2 == 0) {
       places.Add(id, views.back(), 1);
@@ -49,7 +49,7 @@ TEST_P(ScoredPlacesOf, GivesWhatTheEquationsGive) {
     return WeighWords(
         TfIdf(bow, [&](WordId w) { return double{vocabulary->Idf(w)}; }), GetParam(), &kernel);
   };
-  const BowVector query = RandomBow(&rng);
+  const BowVector query = FewRandomWords(&rng);
   const auto found = places.Query(places.Weigh(query), 18, 30);
   ASSERT_GT(found.size(), 3U);
   for (const ScoredPlace& place : found) {
@@ -74,9 +74,9 @@ INSTANTIATE_TEST_SUITE_P(Weightings,
                                          WordWeighting::kSynonym));
 
 TEST(ScoredPlaces, ForgetsWhatIsRemoved) {
-  ScoredPlaces places({}, MakeVocabulary());
+  ScoredPlaces places({}, ScoredVocabulary());
   std::mt19937_64 rng(5);
-  const BowVector bow = RandomBow(&rng);
+  const BowVector bow = FewRandomWords(&rng);
   places.Add(4, bow, 0);
   places.Add(5, bow, 0);
   places.Remove(4, 0);

@@ -1,5 +1,6 @@
 #include "deja_view/pose_graph/four_dof_error.hpp"
 
+#include "deja_view/base/angles.hpp"
 #include "deja_view/geometry/rigid3.hpp"
 
 #include <array>
@@ -11,9 +12,7 @@
 namespace deja_view {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-
-struct State {
+struct EdgeState {
   double psi_i = 0;
   Eigen::Vector3d t_i = Eigen::Vector3d::Zero();
   double psi_j = 0;
@@ -22,7 +21,7 @@ struct State {
   std::array<const double*, 4> Blocks() const { return {&psi_i, t_i.data(), &psi_j, t_j.data()}; }
 };
 
-Eigen::Vector4d Evaluate(const FourDofError& cost, const State& state) {
+Eigen::Vector4d Evaluate(const FourDofError& cost, const EdgeState& state) {
   // NaN so that a residual left unwritten fails the test.
   Eigen::Vector4d residuals = Eigen::Vector4d::Constant(std::numeric_limits<double>::quiet_NaN());
   EXPECT_TRUE(cost.Evaluate(state.Blocks().data(), residuals.data(), nullptr));
@@ -34,14 +33,14 @@ TEST(FourDofError, IsZeroAtTheMeasurement) {
   measurement.t_I_J = {1.0, 0.0, 0.0};
   measurement.delta_psi = kPi / 2;
   // I looks along the map's +y, so 1 m ahead of I is +y of the map.
-  const State state{kPi / 2, {2.0, 3.0, 4.0}, kPi, {2.0, 4.0, 4.0}};
+  const EdgeState state{kPi / 2, {2.0, 3.0, 4.0}, kPi, {2.0, 4.0, 4.0}};
   EXPECT_LT(Evaluate(FourDofError(measurement), state).norm(), 1e-12);
 }
 
 TEST(FourDofError, WrapsYawAcrossTheCut) {
   FourDofError::Measurement measurement;
   measurement.delta_psi = 0.2;
-  const State state{kPi - 0.1, {0, 0, 0}, -kPi + 0.1, {0, 0, 0}};
+  const EdgeState state{kPi - 0.1, {0, 0, 0}, -kPi + 0.1, {0, 0, 0}};
   EXPECT_NEAR(Evaluate(FourDofError(measurement), state)[3], 0.0, 1e-12);
 }
 
@@ -52,7 +51,7 @@ TEST(FourDofError, JacobiansMatchDifferences) {
   measurement.R_W_I = ExpSo3({0.3, -1.4, 0.5}).toRotationMatrix();
   measurement.sqrt_information << 10, 1, 2, 3, 0, 20, 1, -2, 0, 0, 30, 4, 0, 0, 0, 50;
   const FourDofError cost(measurement, 0.7);
-  const State state{0.4, {1, 2, 3}, -0.2, {1.5, 1.0, 3.3}};
+  const EdgeState state{0.4, {1, 2, 3}, -0.2, {1.5, 1.0, 3.3}};
 
   std::array<double, 4> psi_i{};
   std::array<double, 12> t_i{};
@@ -64,8 +63,8 @@ TEST(FourDofError, JacobiansMatchDifferences) {
 
   constexpr double kStep = 1e-6;
   const auto check = [&](auto&& perturb, double* jacobian, int columns, int column) {
-    State plus = state;
-    State minus = state;
+    EdgeState plus = state;
+    EdgeState minus = state;
     perturb(plus, kStep);
     perturb(minus, -kStep);
     const Eigen::Vector4d numeric = (Evaluate(cost, plus) - Evaluate(cost, minus)) / (2.0 * kStep);
@@ -73,11 +72,11 @@ TEST(FourDofError, JacobiansMatchDifferences) {
       EXPECT_NEAR(jacobian[row * columns + column], numeric[row], 1e-6) << row << "," << column;
     }
   };
-  check([](State& s, double h) { s.psi_i += h; }, psi_i.data(), 1, 0);
-  check([](State& s, double h) { s.psi_j += h; }, psi_j.data(), 1, 0);
+  check([](EdgeState& s, double h) { s.psi_i += h; }, psi_i.data(), 1, 0);
+  check([](EdgeState& s, double h) { s.psi_j += h; }, psi_j.data(), 1, 0);
   for (int k = 0; k < 3; ++k) {
-    check([k](State& s, double h) { s.t_i[k] += h; }, t_i.data(), 3, k);
-    check([k](State& s, double h) { s.t_j[k] += h; }, t_j.data(), 3, k);
+    check([k](EdgeState& s, double h) { s.t_i[k] += h; }, t_i.data(), 3, k);
+    check([k](EdgeState& s, double h) { s.t_j[k] += h; }, t_j.data(), 3, k);
   }
 }
 

@@ -1,5 +1,7 @@
 #include "deja_view/pose_graph/loop_consistency.hpp"
 
+#include "deja_view/base/angles.hpp"
+
 #include <cmath>
 #include <vector>
 
@@ -11,7 +13,6 @@ namespace {
 using State = LoopConsistency::State;
 
 constexpr int kPerRound = 40;
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 /// Pose `i` of a circle of 2 m radius: 0.31 m of path per pose.
 Rigid3 Truth(int i) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "test_cameras.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,13 +14,7 @@ namespace deja_view {
 namespace {
 
 PinholeCamera TestCamera() {
-  PinholeParameters p;
-  p.width = 752;
-  p.height = 480;
-  p.fx = p.fy = 458;
-  p.cx = 375;
-  p.cy = 239;
-  return PinholeCamera(p);
+  return PinholeOf(752, 480, 458, 375, 239);
 }
 
 /// Points before the camera, with descriptors of their own.

@@ -1,7 +1,6 @@
 #include "deja_view/triangulation/motion_stereo.hpp"
 
 #include "deja_view/base/angles.hpp"
-#include "deja_view/camera/pinhole_camera.hpp"
 #include "deja_view/features/brief_extractor.hpp"
 
 #include <cmath>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "room_renderer.hpp"
+#include "test_cameras.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -16,13 +16,7 @@ namespace deja_view {
 namespace {
 
 std::shared_ptr<const Camera> RoomCamera() {
-  PinholeParameters p;
-  p.width = 376;
-  p.height = 240;
-  p.fx = p.fy = 229;
-  p.cx = 187;
-  p.cy = 119;
-  return std::make_shared<PinholeCamera>(p);
+  return SharedPinholeOf(376, 240, 229, 187, 119);
 }
 
 /// Flies through the room of RoomRenderer with a real extractor.

@@ -1,3 +1,4 @@
+#include "deja_view/base/angles.hpp"
 #include "deja_view/verification/loop_verifier.hpp"
 
 #include "keyframe_pair.hpp"
@@ -9,8 +10,6 @@ namespace {
 using test::KeyframePair;
 using test::KeyframePairOptions;
 using test::MakeKeyframePair;
-
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 /// An old keyframe that turned its back on the room: its own image and points show nothing of it,
 /// but the virtual camera, half a metre and 40 degrees away, sees what `pair.old` sees.
@@ -59,7 +58,7 @@ TEST(LoopVerifierRig, AVirtualCameraAloneGivesThePose) {
     const RigScene scene = MakeRigScene(options);
     EXPECT_NE(VerifyRig(scene, {}).reason, RejectReason::kNone) << "the real image must not do";
     const Verification v = VerifyRig(scene, {scene.view});
-    ASSERT_EQ(v.reason, RejectReason::kNone) << ToString(v.reason);
+    ASSERT_EQ(v.reason, RejectReason::kNone) << EnumToString(v.reason);
     const Rigid3 truth = scene.T_old_current();
     EXPECT_LT((v.T_Bold_Bcurrent.t - truth.t).norm(), 0.06);
     EXPECT_LT(RotationAngle(v.T_Bold_Bcurrent.q.conjugate() * truth.q), 0.5 * kDegree);
@@ -77,7 +76,7 @@ TEST(LoopVerifierRig, PointsOfUnknownDepthAreNotNeeded) {
   f.point_ids.clear();
   f.point_descriptors.clear();
   const Verification v = VerifyRig(scene, {scene.view});
-  EXPECT_EQ(v.reason, RejectReason::kNone) << ToString(v.reason);
+  EXPECT_EQ(v.reason, RejectReason::kNone) << EnumToString(v.reason);
   EXPECT_EQ(v.inliers, v.found);
 }
 

@@ -1,5 +1,6 @@
 #include "deja_view/verification/loop_verifier.hpp"
 
+#include "deja_view/base/angles.hpp"
 #include "deja_view/base/check.hpp"
 
 #include <functional>
@@ -13,8 +14,6 @@ namespace {
 using test::KeyframePair;
 using test::KeyframePairOptions;
 using test::MakeKeyframePair;
-
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 Verification Verify(const KeyframePair& pair, const LoopVerifierOptions& options = {}) {
   return LoopVerifier(options, pair.camera)
@@ -30,7 +29,8 @@ void ForgetPoints(KeyframeFeatures* features) {
 }
 
 void ExpectRightPose(const KeyframePair& pair, const Verification& v) {
-  ASSERT_EQ(v.reason, RejectReason::kNone) << ToString(v.reason) << ", " << v.inliers << " inliers";
+  ASSERT_EQ(v.reason, RejectReason::kNone)
+      << EnumToString(v.reason) << ", " << v.inliers << " inliers";
   EXPECT_LT((v.T_Bold_Bcurrent.t - pair.T_old_current().t).norm(), 0.04);
   EXPECT_LT(RotationAngle(v.T_Bold_Bcurrent.q.conjugate() * pair.T_old_current().q), 0.4 * kDegree);
 }
@@ -196,7 +196,7 @@ TEST_P(LoopVerifierGate, RejectsWithItsOwnReason) {
   GetParam().tighten(&options);
   ASSERT_TRUE(options.Validate().empty());
   const Verification v = Verify(MakeKeyframePair({}), options);
-  EXPECT_EQ(v.reason, GetParam().reason) << ToString(v.reason);
+  EXPECT_EQ(v.reason, GetParam().reason) << EnumToString(v.reason);
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -1,4 +1,6 @@
 // Our rig pose beside OpenGV's generalised pose, two implementations that share nothing.
+#include "deja_view/base/angles.hpp"
+
 #include <algorithm>
 #include <numeric>
 #include <vector>
@@ -17,8 +19,6 @@ using test::MakeRigPoseScene;
 using test::OpengvRigPose;
 using test::RigPoseScene;
 using test::RigPoseSceneOptions;
-
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 bool IsNear(const Rigid3& a, const Rigid3& b, double metres, double radians) {
   return (a.t - b.t).norm() < metres && RotationAngle(a.q.conjugate() * b.q) < radians;

@@ -1,5 +1,7 @@
 #include "deja_view/verification/relative_pose.hpp"
 
+#include "deja_view/base/angles.hpp"
+
 #include <cmath>
 #include <random>
 
@@ -9,7 +11,6 @@ namespace deja_view {
 namespace {
 
 constexpr double kFocal = 460.0;
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 /// Two bodies with one camera each in a room of random points; O and U both locate points and see
 /// the other's.

@@ -1,21 +1,19 @@
 #include "deja_view/views/depth_warp_model.hpp"
 
-#include "deja_view/camera/pinhole_camera.hpp"
-
 #include "room_renderer.hpp"
+#include "test_cameras.hpp"
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
 namespace deja_view {
 namespace {
 
-const auto kCamera =
-    std::make_shared<PinholeCamera>(PinholeParameters{160, 120, 100, 100, 79.5, 59.5, 0, 0, 0, 0});
+const auto kFlatCamera = SharedPinholeOf(160, 120, 100, 79.5, 59.5);
 
 TEST(DepthWarpModelTest, WarpsByTheRangesThatAreKnownOrElseByThePoints) {
-  const RenderedView real = RoomRenderer().Render(*kCamera, {}, {});
+  const RenderedView real = RoomRenderer().Render(*kFlatCamera, {}, {});
   const DepthWarpModel model(
-      kCamera,
+      kFlatCamera,
       [&](std::int64_t stamp_ns) {
         return stamp_ns == 1 ? std::optional(RangeMap{real.depth, real.depth_variance})
                              : std::nullopt;
@@ -26,7 +24,7 @@ TEST(DepthWarpModelTest, WarpsByTheRangesThatAreKnownOrElseByThePoints) {
   const std::vector<RangeSample> points = {{{80, 60}, 9.0}};
   const auto middle = [&](std::int64_t stamp_ns) {
     return model.RendererFor({stamp_ns, real.image, {}}, points)
-        ->Render(*kCamera, {}, {})
+        ->Render(*kFlatCamera, {}, {})
         .depth.at<float>(60, 80);
   };
   EXPECT_NEAR(middle(1), real.depth.at<float>(60, 80), 0.02);
@@ -34,12 +32,12 @@ TEST(DepthWarpModelTest, WarpsByTheRangesThatAreKnownOrElseByThePoints) {
 }
 
 TEST(DepthWarpModelTest, WithoutRangesItNeedsPoints) {
-  EXPECT_TRUE(DepthWarpModel(kCamera, nullptr, "").NeedsPoints());
+  EXPECT_TRUE(DepthWarpModel(kFlatCamera, nullptr, "").NeedsPoints());
 }
 
 TEST(DepthWarpModelTest, LiesInTheFrameOfItsImages) {
   const Similarity3 W_N =
-      DepthWarpModel(kCamera, nullptr, "").FindFrame(Similarity3{3, {FromYaw(1), {1, 2, 3}}});
+      DepthWarpModel(kFlatCamera, nullptr, "").FindFrame(Similarity3{3, {FromYaw(1), {1, 2, 3}}});
   EXPECT_EQ(W_N.scale, 1);
   EXPECT_TRUE(W_N.T_A_B.t.isZero(0));
 }
@@ -49,7 +47,7 @@ TEST(DepthWarpModelTest, AsksLessOfTheViewsThanAFieldWould) {
   gate.free_space = true;
   gate.max_depth_sigma = 0.05;
   gate.min_certain_share = 0.9;
-  DepthWarpModel(kCamera, nullptr, "").Relax(&gate);
+  DepthWarpModel(kFlatCamera, nullptr, "").Relax(&gate);
   EXPECT_FALSE(gate.free_space);
   EXPECT_EQ(gate.max_depth_sigma, 0.3);
   EXPECT_EQ(gate.min_certain_share, 0.5);

@@ -1,22 +1,18 @@
 #include "deja_view/views/depth_warp_renderer.hpp"
 
-#include "deja_view/camera/pinhole_camera.hpp"
-
 #include <cmath>
 
 #include "room_renderer.hpp"
+#include "test_cameras.hpp"
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
 namespace deja_view {
 namespace {
 
-const auto kCamera = std::make_shared<PinholeCamera>(
-    PinholeParameters{320, 240, 200, 200, 159.5, 119.5, -0.1, 0.01, 0, 0});
-
 DepthWarpRenderer MakeWarp(const Rigid3& T_N_C) {
-  const RenderedView real = RoomRenderer().Render(*kCamera, T_N_C, {});
-  return {real.image, {real.depth, real.depth_variance}, kCamera, T_N_C};
+  const RenderedView real = RoomRenderer().Render(*BentCamera(), T_N_C, {});
+  return {real.image, {real.depth, real.depth_variance}, BentCamera(), T_N_C};
 }
 
 double MeanDifference(const cv::Mat& a, const cv::Mat& b, const cv::Mat& mask) {
@@ -26,8 +22,8 @@ double MeanDifference(const cv::Mat& a, const cv::Mat& b, const cv::Mat& mask) {
 }
 
 TEST(DepthWarpRendererTest, ShowsTheImageItselfAtItsOwnPose) {
-  const RenderedView real = RoomRenderer().Render(*kCamera, {}, {});
-  const RenderedView view = MakeWarp({}).Render(*kCamera, {}, {});
+  const RenderedView real = RoomRenderer().Render(*BentCamera(), {}, {});
+  const RenderedView view = MakeWarp({}).Render(*BentCamera(), {}, {});
   const cv::Rect inner(1, 1, 318, 238);
   EXPECT_LE(cv::norm(view.image(inner), real.image(inner), cv::NORM_INF), 1);
   EXPECT_LE(cv::norm(view.depth(inner), real.depth(inner), cv::NORM_INF), 0.02);
@@ -37,26 +33,27 @@ TEST(DepthWarpRendererTest, ShowsTheImageItselfAtItsOwnPose) {
 TEST(DepthWarpRendererTest, SeesWhatACameraBesideItWould) {
   const Rigid3 T_N_C{ExpSo3({0.1, 0.3, 0}), {0.5, 0.2, -0.3}};
   const Rigid3 T_N_V = T_N_C * Rigid3{ExpSo3({0.02, -0.05, 0.03}), {0.15, -0.1, 0.2}};
-  const RenderedView truth = RoomRenderer().Render(*kCamera, T_N_V, {});
-  const RenderedView view = MakeWarp(T_N_C).Render(*kCamera, T_N_V, {});
+  const RenderedView truth = RoomRenderer().Render(*BentCamera(), T_N_V, {});
+  const RenderedView view = MakeWarp(T_N_C).Render(*BentCamera(), T_N_V, {});
   const cv::Mat is_known = view.opacity > 0.5;
   EXPECT_GT(cv::countNonZero(is_known), 320 * 240 * 8 / 10);
   EXPECT_LT(MeanDifference(view.image, truth.image, is_known), 4);
   EXPECT_LT(cv::mean(cv::abs(view.depth - truth.depth), is_known)[0], 0.02);
   // The unmoved image is far from it.
-  const RenderedView unmoved = RoomRenderer().Render(*kCamera, T_N_C, {});
+  const RenderedView unmoved = RoomRenderer().Render(*BentCamera(), T_N_C, {});
   EXPECT_GT(MeanDifference(unmoved.image, truth.image, is_known), 15);
 }
 
 TEST(DepthWarpRendererTest, WhatTheImageDoesNotShowIsAHole) {
   const Rigid3 turned{ExpSo3({0, 0.5, 0}), {0, 0, 0}};  // to the right
-  const RenderedView view = MakeWarp({}).Render(*kCamera, turned, {});
+  const RenderedView view = MakeWarp({}).Render(*BentCamera(), turned, {});
   EXPECT_EQ(view.opacity.at<float>(120, 310), 0.0F);
   EXPECT_EQ(view.depth.at<float>(120, 310), 0.0F);
   EXPECT_EQ(view.opacity.at<float>(120, 20), 1.0F);
   // Filled from its border.
   EXPECT_EQ(view.image.at<std::uint8_t>(120, 310), view.image.at<std::uint8_t>(120, 319));
-  const RenderedView behind = MakeWarp({}).Render(*kCamera, {ExpSo3({0, M_PI, 0}), {0, 0, 0}}, {});
+  const RenderedView behind =
+      MakeWarp({}).Render(*BentCamera(), {ExpSo3({0, M_PI, 0}), {0, 0, 0}}, {});
   EXPECT_EQ(cv::countNonZero(behind.opacity), 0);
 }
 
@@ -66,9 +63,9 @@ TEST(DepthWarpRendererTest, NearThingsHideFarOnes) {
   const cv::Rect box(140, 100, 40, 40);
   image(box).setTo(200);
   ranges.range_m(box).setTo(1);
-  const DepthWarpRenderer warp(image, ranges, kCamera, {});
+  const DepthWarpRenderer warp(image, ranges, BentCamera(), {});
   const RenderedView view =
-      warp.Render(*kCamera, {Eigen::Quaterniond::Identity(), {0.3, 0, 0}}, {});
+      warp.Render(*BentCamera(), {Eigen::Quaterniond::Identity(), {0.3, 0, 0}}, {});
   // 60 px to the left, over what is 15 px to the left; a hole where it was, beside the background.
   EXPECT_EQ(view.image.at<std::uint8_t>(120, 100), 200);
   EXPECT_NEAR(view.depth.at<float>(120, 100), 1, 0.1);
@@ -77,8 +74,8 @@ TEST(DepthWarpRendererTest, NearThingsHideFarOnes) {
 }
 
 TEST(DepthWarpRendererTest, AppliesTheExposure) {
-  const RenderedView view = MakeWarp({}).Render(*kCamera, {}, {0.5F, 0.1F, 1});
-  const RenderedView real = RoomRenderer().Render(*kCamera, {}, {});
+  const RenderedView view = MakeWarp({}).Render(*BentCamera(), {}, {0.5F, 0.1F, 1});
+  const RenderedView real = RoomRenderer().Render(*BentCamera(), {}, {});
   EXPECT_NEAR(view.image.at<std::uint8_t>(100, 100),
               0.5 * real.image.at<std::uint8_t>(100, 100) + 25.5,
               1.0);
@@ -94,7 +91,7 @@ class SquareBeforeWall {
     bool is_square = false;
   };
   static Hit Cast(const Rigid3& T_N_C, const Eigen::Vector2d& pixel) {
-    const Eigen::Vector3d ray = T_N_C.q * kCamera->Unproject(pixel);
+    const Eigen::Vector3d ray = T_N_C.q * BentCamera()->Unproject(pixel);
     for (const double z : {2.0, 4.0}) {
       const double range = (z - T_N_C.t.z()) / ray.z();
       const Eigen::Vector3d p_N = T_N_C.t + range * ray;
@@ -119,7 +116,7 @@ class SquareBeforeWall {
         range.at<float>(y, x) = static_cast<float>(1e-3 * std::round(1e3 * hit.range));
       }
     }
-    return {image, DensifyDepthImage(range), kCamera, T_N_C, 1};
+    return {image, DensifyDepthImage(range), BentCamera(), T_N_C, 1};
   }
 };
 
@@ -127,7 +124,7 @@ TEST(DepthWarpRendererTest, ADepthImageGivesWhatTheCameraBesideItSees) {
   using Scene = SquareBeforeWall;
   const Rigid3 T_N_C{ExpSo3({0.02, 0.03, 0.01}), {0.05, -0.02, 0.1}};
   const Rigid3 T_N_V = T_N_C * Rigid3{ExpSo3({0.03, -0.06, 0.1}), {0.35, 0.2, -0.15}};
-  const RenderedView view = Scene::Warp(T_N_C).Render(*kCamera, T_N_V, {});
+  const RenderedView view = Scene::Warp(T_N_C).Render(*BentCamera(), T_N_V, {});
   int shown = 0;
   int wrong_grey = 0;
   int wrong_depth = 0;
@@ -137,8 +134,8 @@ TEST(DepthWarpRendererTest, ADepthImageGivesWhatTheCameraBesideItSees) {
   for (int y = 0; y < view.image.rows; ++y) {
     for (int x = 0; x < view.image.cols; ++x) {
       const Scene::Hit truth = Scene::Cast(T_N_V, {x, y});
-      const auto seen_at = kCamera->Project(T_N_C.Inverse() * truth.p_N);
-      const bool is_seen = seen_at && kCamera->IsInImage(*seen_at) &&
+      const auto seen_at = BentCamera()->Project(T_N_C.Inverse() * truth.p_N);
+      const bool is_seen = seen_at && BentCamera()->IsInImage(*seen_at) &&
                            Scene::Cast(T_N_C, *seen_at).is_square == truth.is_square;
       const bool is_shown = view.opacity.at<float>(y, x) > 0;
       shown += is_shown ? 1 : 0;
@@ -167,8 +164,8 @@ TEST(DepthWarpRendererTest, ADepthImagesSquareHidesTheWallWhateverTheOrder) {
   using Scene = SquareBeforeWall;
   for (const double side : {-0.4, 0.4}) {
     const Rigid3 T_N_V{Eigen::Quaterniond::Identity(), {side, 0, 0}};
-    const RenderedView view = Scene::Warp({}).Render(*kCamera, T_N_V, {});
-    const auto middle = kCamera->Project(T_N_V.Inverse() * Eigen::Vector3d(0, 0, 2));
+    const RenderedView view = Scene::Warp({}).Render(*BentCamera(), T_N_V, {});
+    const auto middle = BentCamera()->Project(T_N_V.Inverse() * Eigen::Vector3d(0, 0, 2));
     const cv::Point at(cvRound(middle->x()), cvRound(middle->y()));
     EXPECT_NEAR(view.depth.at<float>(at), Scene::Cast(T_N_V, *middle).range, 0.01);
     EXPECT_GT(view.image.at<std::uint8_t>(at), 140);

@@ -2,13 +2,14 @@
 
 #include "deja_view/camera/pinhole_camera.hpp"
 
+#include "test_cameras.hpp"
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
 namespace deja_view {
 namespace {
 
-const PinholeCamera kCamera({4, 3, 3, 3, 1.5, 1, 0, 0, 0, 0});
+const PinholeCamera kTinyCamera = PinholeOf(4, 3, 3, 1.5, 1);
 
 // Shows the x of the camera and the range of the first point, both in N.
 class Probe final : public SceneModel {
@@ -45,7 +46,7 @@ TEST(SceneModelTest, SourcesPointsAndViewsAreInTheWorld) {
   const ViewSource source{1, cv::Mat(), {Eigen::Quaterniond::Identity(), {14, 0, 0}}};
   const auto renderer = renderers(source, {{{0, 0}, 6}});
   const Rigid3 T_W_V{Eigen::Quaterniond::Identity(), {16, 0, 0}};
-  const cv::Mat depth = renderer->Render(kCamera, T_W_V, {}).depth;
+  const cv::Mat depth = renderer->Render(kTinyCamera, T_W_V, {}).depth;
   // The depths that the renderer gives are in N, too: 2, 3 and 3 become twice as many metres.
   EXPECT_EQ(depth.at<float>(0), 4);
   EXPECT_EQ(depth.at<float>(1), 6);

@@ -1,9 +1,9 @@
 #include "deja_view/views/view_maker.hpp"
 
 #include "deja_view/base/check.hpp"
-#include "deja_view/camera/pinhole_camera.hpp"
 
 #include "room_renderer.hpp"
+#include "test_cameras.hpp"
 #include <gmock/gmock.h>
 #include <opencv2/core.hpp>
 
@@ -13,15 +13,13 @@ namespace {
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-const auto kCamera = std::make_shared<PinholeCamera>(
-    PinholeParameters{320, 240, 200, 200, 159.5, 119.5, -0.1, 0.01, 0, 0});
 constexpr std::int64_t kStamp = 1403636632538560256;
 
 ViewSource MakeSource() {
   ViewSource source;
   source.stamp_ns = kStamp;
   source.T_N_C = {ExpSo3({0.1, 0.3, 0}), {0.5, 0.2, -0.3}};
-  source.image = RoomRenderer().Render(*kCamera, source.T_N_C, {0.8F, 0.1F, 1}).image;
+  source.image = RoomRenderer().Render(*BentCamera(), source.T_N_C, {0.8F, 0.1F, 1}).image;
   return source;
 }
 
@@ -38,7 +36,7 @@ ViewOptions Wide() {
 }
 
 ViewMaker MakeMaker(const ViewOptions& options, const ViewContent& content) {
-  return {options, content, kCamera, {}, 99};
+  return {options, content, BentCamera(), {}, 99};
 }
 
 TEST(ViewMakerTest, MakesWhatACameraThereWouldSee) {
@@ -55,7 +53,7 @@ TEST(ViewMakerTest, MakesWhatACameraThereWouldSee) {
     EXPECT_EQ(view.count, 4);
     EXPECT_EQ(view.settings_hash, 99U);
     const RenderedView truth =
-        RoomRenderer().Render(*kCamera, source.T_N_C * view.T_C_V, {0.8F, 0.1F, 1});
+        RoomRenderer().Render(*BentCamera(), source.T_N_C * view.T_C_V, {0.8F, 0.1F, 1});
     EXPECT_LE(cv::norm(view.image, truth.image, cv::NORM_INF), 8);  // the fitted exposure
     EXPECT_EQ(view.depth_mm.at<std::uint16_t>(5, 9),
               std::lround(1000 * static_cast<double>(truth.depth.at<float>(5, 9))));
@@ -81,7 +79,7 @@ TEST(ViewMakerTest, MayKeepTheScenesExposure) {
   const ViewSource source = MakeSource();
   const MadeViews made = MakeMaker(options, {}).Make(source, RoomRenderer(), 1);
   const VirtualView& view = made.views.at(0);
-  const RenderedView truth = RoomRenderer().Render(*kCamera, source.T_N_C * view.T_C_V, {});
+  const RenderedView truth = RoomRenderer().Render(*BentCamera(), source.T_N_C * view.T_C_V, {});
   EXPECT_EQ(cv::norm(view.image, truth.image, cv::NORM_INF), 0);
 }
 
@@ -96,7 +94,7 @@ TEST(ViewMakerTest, MakesNothingWhereTheModelShowsSomethingElse) {
 TEST(ViewMakerTest, CountsPosesThatAreNotOffered) {
   ViewSource source = MakeSource();
   source.T_N_C = {Eigen::Quaterniond::Identity(), {3.5, 0, 0}};  // beside the wall
-  source.image = RoomRenderer().Render(*kCamera, source.T_N_C, {}).image;
+  source.image = RoomRenderer().Render(*BentCamera(), source.T_N_C, {}).image;
   const MadeViews made = MakeMaker(Wide(), {}).Make(source, RoomRenderer(), 1);
   EXPECT_GT(made.not_free, 0);
   for (const VirtualView& view : made.views) {

@@ -5,15 +5,16 @@
 #include "deja_view/features/orb_extractor.hpp"
 
 #include "room_renderer.hpp"
+#include "test_cameras.hpp"
 #include <gtest/gtest.h>
 
 namespace deja_view {
 namespace {
 
-const PinholeCamera kCamera({320, 240, 200, 200, 159.5, 119.5, 0, 0, 0, 0});
+const PinholeCamera kPlainCamera = PinholeOf(320, 240, 200, 159.5, 119.5);
 
 TEST(VirtualFeaturesTest, KeypointsKnowTheirDepth) {
-  const RenderedView view = RoomRenderer(0.02).Render(kCamera, {}, {});
+  const RenderedView view = RoomRenderer(0.02).Render(kPlainCamera, {}, {});
   for (const std::string name : {"brief", "orb"}) {
     const std::unique_ptr<FeatureExtractor> extractor =
         name == "brief" ? std::unique_ptr<FeatureExtractor>(std::make_unique<BriefExtractor>())
@@ -26,7 +27,7 @@ TEST(VirtualFeaturesTest, KeypointsKnowTheirDepth) {
     ASSERT_EQ(features.depth_m.size(), direct.keypoints.size());
     for (std::size_t i = 0; i < direct.keypoints.size(); ++i) {
       const Keypoint& keypoint = features.features.keypoints[i];
-      const Eigen::Vector3d ray = kCamera.Unproject({keypoint.x, keypoint.y});
+      const Eigen::Vector3d ray = kPlainCamera.Unproject({keypoint.x, keypoint.y});
       const double range = RoomRenderer::Range({0, 0, 0}, ray);
       EXPECT_NEAR(features.depth_m[i], range, 0.02 * range);
       EXPECT_NEAR(features.depth_sigma_m[i], 0.02 * range, 0.005 * range);
@@ -35,7 +36,7 @@ TEST(VirtualFeaturesTest, KeypointsKnowTheirDepth) {
 }
 
 TEST(VirtualFeaturesTest, ADepthEdgeMakesDepthUncertain) {
-  RenderedView view = RoomRenderer(0.0).Render(kCamera, {}, {});
+  RenderedView view = RoomRenderer(0.0).Render(kPlainCamera, {}, {});
   view.depth(cv::Rect(0, 0, 160, 240)).setTo(1);
   view.depth(cv::Rect(160, 0, 160, 240)).setTo(3);
   const VirtualFeatures features = ExtractVirtualFeatures(view, BriefExtractor(), 0.5);
@@ -51,7 +52,7 @@ TEST(VirtualFeaturesTest, ADepthEdgeMakesDepthUncertain) {
 }
 
 TEST(VirtualFeaturesTest, LeavesOutWhatIsNotThere) {
-  RenderedView view = RoomRenderer().Render(kCamera, {}, {});
+  RenderedView view = RoomRenderer().Render(kPlainCamera, {}, {});
   view.opacity(cv::Rect(0, 0, 160, 240)).setTo(0.3);
   view.depth(cv::Rect(160, 0, 160, 120)).setTo(0);
   const VirtualFeatures features = ExtractVirtualFeatures(view, BriefExtractor(), 0.5);

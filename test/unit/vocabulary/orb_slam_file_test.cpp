@@ -6,21 +6,16 @@
 #include <fstream>
 
 #include "random_vocabulary.hpp"
+#include "vocabulary_file_test.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 namespace deja_view {
 namespace {
 
-class OrbSlamFileTest : public ::testing::Test {
+class OrbSlamFileTest : public VocabularyFileTest {
  protected:
-  ~OrbSlamFileTest() override { std::filesystem::remove_all(directory_); }
-
-  void Write(const std::string& text) const {
-    std::filesystem::create_directories(directory_);
-    std::ofstream(path_, std::ios::binary) << text;
-  }
+  OrbSlamFileTest() : VocabularyFileTest("ORBvoc.txt") {}
 
   // A node's line; every byte of the descriptor is `byte`.
   static std::string Line(int parent, int is_leaf, int byte, const std::string& weight) {
@@ -35,21 +30,6 @@ class OrbSlamFileTest : public ::testing::Test {
     return "10 6  0 0\n" + Line(0, 0, 0, "0") + Line(0, 1, 255, "7.25") + Line(1, 1, 1, "0.5") +
            Line(1, 1, 128, "1e-2");
   }
-
-  void ExpectRefused(const std::string& text, const std::string& field) const {
-    Write(text);
-    try {
-      Vocabulary::Open(path_);
-      ADD_FAILURE() << "accepted, expected: " << field;
-    } catch (const InputError& e) {
-      EXPECT_THAT(e.what(), ::testing::HasSubstr(path_.string()));
-      EXPECT_THAT(e.what(), ::testing::HasSubstr(field));
-    }
-  }
-
-  std::filesystem::path directory_ = std::filesystem::path(::testing::TempDir()) /
-                                     ("deja_view_orb_slam_file_test" + std::to_string(::getpid()));
-  std::filesystem::path path_ = directory_ / "ORBvoc.txt";
 };
 
 TEST_F(OrbSlamFileTest, ReadsTheLayout) {

@@ -10,25 +10,20 @@
 #include <random>
 
 #include "random_vocabulary.hpp"
+#include "vocabulary_file_test.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 namespace deja_view {
 namespace {
 
-class VinsFileTest : public ::testing::Test {
+class VinsFileTest : public VocabularyFileTest {
  protected:
-  ~VinsFileTest() override { std::filesystem::remove_all(directory_); }
+  VinsFileTest() : VocabularyFileTest("brief.bin") {}
 
   std::string Read(const std::filesystem::path& path) const {
     std::ifstream stream(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(stream), {}};
-  }
-
-  void Write(const std::string& bytes) const {
-    std::filesystem::create_directories(directory_);
-    std::ofstream(path_, std::ios::binary) << bytes;
   }
 
   template <typename T>
@@ -61,21 +56,6 @@ class VinsFileTest : public ::testing::Test {
     }
     return bytes;
   }
-
-  void ExpectRefused(const std::string& bytes, const std::string& field) const {
-    Write(bytes);
-    try {
-      Vocabulary::Open(path_);
-      ADD_FAILURE() << "accepted, expected: " << field;
-    } catch (const InputError& e) {
-      EXPECT_THAT(e.what(), ::testing::HasSubstr(path_.string()));
-      EXPECT_THAT(e.what(), ::testing::HasSubstr(field));
-    }
-  }
-
-  std::filesystem::path directory_ = std::filesystem::path(::testing::TempDir()) /
-                                     ("deja_view_vins_file_test" + std::to_string(::getpid()));
-  std::filesystem::path path_ = directory_ / "brief.bin";
 };
 
 TEST_F(VinsFileTest, ReadsTheLayout) {

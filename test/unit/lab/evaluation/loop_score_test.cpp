@@ -1,12 +1,10 @@
 #include "deja_view/lab/evaluation/loop_score.hpp"
 
+#include "looks_ahead.hpp"
 #include <gtest/gtest.h>
 
 namespace deja_view {
 namespace {
-
-/// A camera that looks along the body's x.
-const Rigid3 kExtrinsic{Eigen::Quaterniond(0.5, -0.5, 0.5, -0.5), {0, 0, 0}};
 
 TrueKeyframe At(double seconds, double x, double yaw) {
   return {static_cast<std::int64_t>(seconds * 1e9), Rigid3{FromYaw(yaw), {x, 0, 0}}, false};
@@ -21,7 +19,7 @@ TEST(ScoreLoops, CountsRevisitsByAgeDistanceAndAngle) {
       At(20, 0, 1.5),   // looks elsewhere
       At(30, 1.9, 0.5)  // revisits 0, 5 and 11
   };
-  const LoopScore score = ScoreLoops(keyframes, {}, kExtrinsic);
+  const LoopScore score = ScoreLoops(keyframes, {}, kLooksAhead);
   EXPECT_EQ(score.revisits, 2);
   EXPECT_EQ(score.revisits_found, 0);
   EXPECT_EQ(score.recall(), 0.0);
@@ -35,7 +33,7 @@ TEST(ScoreLoops, JudgesLoopsByTheirRelativePose) {
   const Rigid3 turned{truth.q * FromYaw(0.18), truth.t};
   const Rigid3 nearly{truth.q * FromYaw(0.17), truth.t + Eigen::Vector3d(0, 0.2, 0)};
   const LoopScore score =
-      ScoreLoops(keyframes, {{0, 1, shifted}, {0, 1, turned}, {0, 2, nearly}}, kExtrinsic);
+      ScoreLoops(keyframes, {{0, 1, shifted}, {0, 1, turned}, {0, 2, nearly}}, kLooksAhead);
   EXPECT_EQ(score.accepted, 3);
   EXPECT_EQ(score.correct, 1);
   EXPECT_EQ(score.is_correct, (std::vector<bool>{false, false, true}));
@@ -46,7 +44,7 @@ TEST(ScoreLoops, JudgesLoopsByTheirRelativePose) {
 TEST(ScoreLoops, LeavesOutWhatTheTruthDoesNotCover) {
   std::vector<TrueKeyframe> keyframes = {At(0, 0, 0), At(20, 0, 0)};
   keyframes[1].T_truth_B.reset();
-  const LoopScore score = ScoreLoops(keyframes, {{0, 1, {}}}, kExtrinsic);
+  const LoopScore score = ScoreLoops(keyframes, {{0, 1, {}}}, kLooksAhead);
   EXPECT_EQ(score.accepted, 1);
   EXPECT_EQ(score.judged, 0);
   EXPECT_EQ(score.revisits, 0);
@@ -55,7 +53,7 @@ TEST(ScoreLoops, LeavesOutWhatTheTruthDoesNotCover) {
 TEST(ScoreLoops, ALoadedMapIsOldWhateverItsStamps) {
   std::vector<TrueKeyframe> keyframes = {At(100, 0, 0), At(20, 0, 0)};
   keyframes[0].is_old_only = true;
-  const LoopScore score = ScoreLoops(keyframes, {{0, 1, {}}}, kExtrinsic);
+  const LoopScore score = ScoreLoops(keyframes, {{0, 1, {}}}, kLooksAhead);
   EXPECT_EQ(score.revisits, 1);
   EXPECT_EQ(score.revisits_found, 1);
   EXPECT_EQ(score.recall(), 1.0);

@@ -1,15 +1,13 @@
 #include "deja_view/lab/evaluation/relocalisation.hpp"
 
+#include "deja_view/base/angles.hpp"
 #include "deja_view/base/check.hpp"
 
+#include "looks_ahead.hpp"
 #include <gtest/gtest.h>
 
 namespace deja_view {
 namespace {
-
-/// A camera that looks along the body's x.
-const Rigid3 kExtrinsic{Eigen::Quaterniond(0.5, -0.5, 0.5, -0.5), {0, 0, 0}};
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 TrueKeyframe At(double x, double yaw_deg) {
   return {0, Rigid3{FromYaw(yaw_deg * kDegree), {x, 0, 0}}, false};
@@ -27,7 +25,7 @@ TEST(RelocalisationCurve, BinsByDistanceAndByAngle) {
       {}             // no truth
   };
   const RelocalisationCurve curve = MakeRelocalisationCurve(
-      places, current, {true, true, false, false, true, false, true}, kExtrinsic);
+      places, current, {true, true, false, false, true, false, true}, kLooksAhead);
   ASSERT_EQ(curve.by_distance.size(), 12U);
   ASSERT_EQ(curve.by_angle.size(), 9U);
   const auto expect = [](const RelocalisationBin& bin, double from, int keyframes, int found) {
@@ -50,8 +48,8 @@ TEST(RelocalisationCurve, BinsByDistanceAndByAngle) {
 }
 
 TEST(RelocalisationCurve, NeedsAnAnswerPerKeyframe) {
-  EXPECT_THROW(MakeRelocalisationCurve({}, {At(0, 0)}, {}, kExtrinsic), CheckError);
-  EXPECT_EQ(MakeRelocalisationCurve({}, {At(0, 0)}, {true}, kExtrinsic).by_distance[0].keyframes,
+  EXPECT_THROW(MakeRelocalisationCurve({}, {At(0, 0)}, {}, kLooksAhead), CheckError);
+  EXPECT_EQ(MakeRelocalisationCurve({}, {At(0, 0)}, {true}, kLooksAhead).by_distance[0].keyframes,
             0);
 }
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "count_of.hpp"
 #include "example_run.hpp"
 #include <gtest/gtest.h>
 
@@ -17,14 +18,6 @@ JudgedRun Judged(const std::string& name) {
   RunData run = ExampleRun();
   run.name = name;
   return Judge(std::move(run), ExampleGroundTruth(), Rigid3::Identity());
-}
-
-std::size_t CountOf(const std::string& text, const std::string& part) {
-  std::size_t count = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) {
-    ++count;
-  }
-  return count;
 }
 
 class TemporaryFile {

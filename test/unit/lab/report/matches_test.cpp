@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "count_of.hpp"
 #include <gtest/gtest.h>
 
 namespace deja_view::report {
@@ -12,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kHeader =
+constexpr const char* kMatchesHeader =
     "stamp_current_ns,stamp_old_ns,virtual,view,u_old,v_old,u_current,v_current\n";
 
 MatchedLoop Loop(std::int64_t stamp_ns, const std::vector<int>& views) {
@@ -23,14 +24,6 @@ MatchedLoop Loop(std::int64_t stamp_ns, const std::vector<int>& views) {
     loop.pairs.push_back({view, {100, 50}, {200, 60}});
   }
   return loop;
-}
-
-std::size_t CountOf(const std::string& text, const std::string& part) {
-  std::size_t count = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) {
-    ++count;
-  }
-  return count;
 }
 
 std::vector<MatchedLoop> Read(const std::string& content) {
@@ -47,7 +40,7 @@ std::vector<MatchedLoop> Read(const std::string& content) {
 }
 
 TEST(Matches, AreReadLoopByLoop) {
-  const auto loops = Read(std::string(kHeader) +
+  const auto loops = Read(std::string(kMatchesHeader) +
                           "30,10,0,-1,1.5,2,3,4\n30,10,0,-1,5,6,7,8\n40,10,1,2,1,2,3,4.5\n");
   ASSERT_EQ(loops.size(), 2U);
   EXPECT_EQ(loops[0].pairs.size(), 2U);
@@ -57,13 +50,13 @@ TEST(Matches, AreReadLoopByLoop) {
   EXPECT_TRUE(loops[1].is_virtual);
   EXPECT_EQ(loops[1].BestView(), 2);
   EXPECT_EQ(loops[1].pairs[0].current_pixel, Point(3, 4.5));
-  EXPECT_TRUE(Read(kHeader).empty());
+  EXPECT_TRUE(Read(kMatchesHeader).empty());
 }
 
 TEST(Matches, BadFilesAreRefusedWithTheirLine) {
   EXPECT_THROW(Read("u,v\n"), InputError);
   try {
-    Read(std::string(kHeader) + "30,10,0,-1,1,2,3,4\n30,10,0\n");
+    Read(std::string(kMatchesHeader) + "30,10,0,-1,1,2,3,4\n30,10,0\n");
     ADD_FAILURE();
   } catch (const InputError& e) {
     EXPECT_NE(std::string(e.what()).find(":3: "), std::string::npos) << e.what();

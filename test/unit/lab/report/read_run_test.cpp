@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-constexpr const char* kHeader =
+constexpr const char* kLoopsHeader =
     "stamp_current_ns,stamp_old_ns,tx,ty,tz,qx,qy,qz,qw,score,inliers,virtual,accepted,reason\n";
 
 class ReadRunTest : public ::testing::Test {
@@ -30,7 +30,7 @@ class ReadRunTest : public ::testing::Test {
   }
   ~ReadRunTest() override { fs::remove_all(directory_); }
 
-  void WriteLoops(const std::string& rows, const std::string& header = kHeader) const {
+  void WriteLoops(const std::string& rows, const std::string& header = kLoopsHeader) const {
     std::ofstream(directory_ / "loops.csv") << header << rows;
   }
   std::string Error() const {

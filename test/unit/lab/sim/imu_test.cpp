@@ -8,7 +8,7 @@
 namespace deja_view::sim {
 namespace {
 
-ImuOptions Ideal() {
+ImuOptions IdealImu() {
   ImuOptions options;
   options.gyro_noise = options.accel_noise = options.gyro_bias = options.accel_bias = 0;
   options.gyro_bias_walk = options.accel_bias_walk = 0;
@@ -17,7 +17,7 @@ ImuOptions Ideal() {
 
 TEST(SimulateImu, IntegratesToThePath) {
   const FlightPath path(*TinyWorld(), TinyOptions().flight, 1);
-  const auto samples = SimulateImu(path, Ideal(), 0, 1);
+  const auto samples = SimulateImu(path, IdealImu(), 0, 1);
   Rigid3 pose = path.Pose(0);
   Eigen::Vector3d velocity = path.Velocity(0);
   const Eigen::Vector3d gravity(0, 0, kGravity);
@@ -38,7 +38,7 @@ TEST(SimulateImu, IntegratesToThePath) {
 
 TEST(SimulateImu, MeasuresGravityUpwardsAtRest) {
   const FlightPath path(*TinyWorld(), TinyOptions().flight, 1);
-  const auto samples = SimulateImu(path, Ideal(), 0, 1);
+  const auto samples = SimulateImu(path, IdealImu(), 0, 1);
   EXPECT_NEAR(samples[0].accel.norm(), kGravity, 1e-9);
   EXPECT_GT(samples[0].accel.x(), 9.5);  // the body's x axis points up
   EXPECT_LT(samples[0].gyro.norm(), 1e-9);
@@ -46,10 +46,10 @@ TEST(SimulateImu, MeasuresGravityUpwardsAtRest) {
 
 TEST(SimulateImu, NoiseAndBiasHaveTheAskedSize) {
   const FlightPath path(*TinyWorld(), TinyOptions().flight, 1);
-  ImuOptions options = Ideal();
+  ImuOptions options = IdealImu();
   options.gyro_noise = 1e-3;
   options.accel_bias = 0.1;
-  const auto truth = SimulateImu(path, Ideal(), 0, 1);
+  const auto truth = SimulateImu(path, IdealImu(), 0, 1);
   const auto samples = SimulateImu(path, options, 0, 1);
   double sum = 0;
   for (std::size_t i = 0; i < samples.size(); ++i) {

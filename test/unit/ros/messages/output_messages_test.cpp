@@ -49,7 +49,7 @@ TEST(OutputMessagesTest, LoopConstraintSaysEverything) {
   EXPECT_EQ(message.matches, 60);
   EXPECT_EQ(message.inliers, 45);
   EXPECT_FALSE(message.accepted);
-  EXPECT_EQ(message.reason, ToString(RejectReason::kGravity));
+  EXPECT_EQ(message.reason, EnumToString(RejectReason::kGravity));
   loop.reason = RejectReason::kNone;
   message = ToLoopConstraint(loop, {});
   EXPECT_TRUE(message.accepted);
