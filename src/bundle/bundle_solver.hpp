@@ -29,7 +29,7 @@ class BundleSolver {
     bool is_usable = false;
     int iterations = 0;
   };
-  /// One thread, sparse Schur complement: the same bits every time.
+  /// One thread: the same bits every time.
   Report Solve();
 
   /// Writes poses, points and refined cameras back.
