@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "prior_errors.hpp"
+#include <ceres/iteration_callback.h>
 #include <ceres/normal_prior.h>
 #include <ceres/ordered_groups.h>
 #include <ceres/solver.h>
@@ -22,6 +23,21 @@ void AddNormalPrior(const std::vector<double>& sigmas, double* block, ceres::Pro
   problem->AddResidualBlock(
       std::make_unique<ceres::NormalPrior>(A, mean).release(), nullptr, block);
 }
+
+class StopOnRequest : public ceres::IterationCallback {
+ public:
+  StopOnRequest(int max_iterations, const std::function<bool(double share)>& goes_on)
+      : max_iterations_(max_iterations), goes_on_(goes_on) {}
+
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& iteration) override {
+    const double share = static_cast<double>(iteration.iteration) / max_iterations_;
+    return !goes_on_ || goes_on_(share) ? ceres::SOLVER_CONTINUE : ceres::SOLVER_ABORT;
+  }
+
+ private:
+  int max_iterations_;
+  const std::function<bool(double share)>& goes_on_;
+};
 
 }  // namespace
 
@@ -172,10 +188,10 @@ void BundleSolver::HoldCameras(const BundleProblem& problem) {
   }
 }
 
-BundleSolver::Report BundleSolver::Solve() {
+BundleSolver::Report BundleSolver::Solve(const std::function<bool(double share)>& goes_on) {
   ceres::Solver::Options solver;
-  // Every image sees points of a hundred others: a factor of the reduced system is as good as dense,
-  // and even the system takes longer to build than conjugate gradients take without it.
+  // Every image sees points of a hundred others: a factor of the reduced system is as good as
+  // dense, and even the system takes longer to build than conjugate gradients take without it.
   solver.linear_solver_type = ceres::ITERATIVE_SCHUR;
   solver.preconditioner_type = ceres::SCHUR_JACOBI;
   solver.num_threads = 1;
@@ -199,9 +215,13 @@ BundleSolver::Report BundleSolver::Solve() {
       solver.linear_solver_ordering->AddElementToGroup(block, ++group);
     }
   }
+  StopOnRequest stop(options_.max_iterations, goes_on);
+  solver.callbacks.push_back(&stop);
   ceres::Solver::Summary summary;
   ceres::Solve(solver, problem_.get(), &summary);
-  return {summary.IsSolutionUsable(), static_cast<int>(summary.iterations.size()) - 1};
+  return {summary.IsSolutionUsable(),
+          summary.termination_type == ceres::USER_FAILURE,
+          static_cast<int>(summary.iterations.size()) - 1};
 }
 
 void BundleSolver::Store(BundleProblem* problem) const {

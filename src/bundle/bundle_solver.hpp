@@ -5,6 +5,7 @@
 
 #include <array>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -27,10 +28,12 @@ class BundleSolver {
 
   struct Report {
     bool is_usable = false;
+    bool was_stopped = false;
     int iterations = 0;
   };
-  /// One thread: the same bits every time.
-  Report Solve();
+  /// One thread: the same bits every time. `goes_on` hears of each iteration's share of the most
+  /// that may be; false from it stops the solver.
+  Report Solve(const std::function<bool(double share)>& goes_on = {});
 
   /// Writes poses, points and refined cameras back.
   void Store(BundleProblem* problem) const;

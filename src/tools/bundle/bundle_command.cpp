@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "common/commands.hpp"
+#include "common/interrupt.hpp"
 #include "nerf/nerf_command.hpp"
 #include <fmt/format.h>
 
@@ -41,8 +42,18 @@ void AddBundleCommand(CLI::App& app, Command* command) {
       "Example:\n  deja_view bundle --bag hall.bag --camera euroc.yaml --out hall_bundle");
   sub->callback([=] {
     *command = [=] {
-      std::cout << RunBundle(*request).dump(2) << "\n";
-      return 0;
+      try {
+        const nlohmann::ordered_json json = RunBundle(*request);
+        std::cout << json.dump(2) << "\n";
+        if (!json.value("interrupted", false)) {
+          return 0;
+        }
+        std::cerr << "deja_view: interrupted; " << request->out.string() << " has what "
+                  << json["rounds"].size() << " finished rounds gave\n";
+      } catch (const Interrupted& e) {
+        std::cerr << "deja_view: " << e.what() << "\n";
+      }
+      return 130;
     };
   });
 }

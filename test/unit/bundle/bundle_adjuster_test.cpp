@@ -3,6 +3,7 @@
 #include "deja_view/base/check.hpp"
 #include "deja_view/camera/camera_parameters.hpp"
 
+#include <algorithm>
 #include <set>
 
 #include "bundle_scene.hpp"
@@ -75,6 +76,57 @@ TEST(AdjustBundle, GivesTheSameBitsOnAnyNumberOfThreads) {
   ASSERT_EQ(scenes[0].problem.points.size(), scenes[1].problem.points.size());
   for (std::size_t i = 0; i < scenes[0].problem.points.size(); ++i) {
     EXPECT_EQ(scenes[0].problem.points[i].p_W, scenes[1].problem.points[i].p_W);
+  }
+}
+
+TEST(AdjustBundle, TellsHowFarItIs) {
+  BundleScene scene = MakeBundleScene(SceneOf(30, 400));
+  scene.AddOdometryPriors();
+  std::vector<double> shares;
+  ASSERT_TRUE(AdjustBundle(Options(), &scene.problem, {}, [&](double share) {
+                shares.push_back(share);
+                return true;
+              }).is_usable());
+  ASSERT_GT(shares.size(), 8U);
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  EXPECT_GE(shares.front(), 0);
+  EXPECT_GT(shares.back(), 0.8);
+  EXPECT_LE(shares.back(), 1);
+}
+
+TEST(AdjustBundle, LeavesWhatTheFinishedRoundsGaveWhenItIsStopped) {
+  BundleScene scene = MakeBundleScene();
+  scene.AddOdometryPriors();
+  BundleOptions options = Options();
+  BundleScene one_round = scene;
+  int rounds = 0;
+  const BundleSummary summary = AdjustBundle(
+      options,
+      &scene.problem,
+      [&](const BundleRound&) {
+        ++rounds;
+        one_round = scene;
+      },
+      [&](double) { return rounds == 0; });
+  ASSERT_TRUE(summary.is_usable()) << summary.obstacle;
+  EXPECT_TRUE(summary.was_stopped);
+  EXPECT_EQ(summary.rounds.size(), 1U);
+  EXPECT_GT(summary.points, 400);
+  for (std::size_t i = 0; i < scene.T_vio.size(); ++i) {
+    EXPECT_EQ(scene.problem.images[i].T_W_B.t, one_round.problem.images[i].T_W_B.t);
+  }
+}
+
+TEST(AdjustBundle, LeavesTheProblemAsItWasWhenItIsStoppedAtOnce) {
+  for (const double limit : {-1.0, 0.15, 0.25}) {  // before matching, after it, in the solver
+    BundleScene scene = MakeBundleScene(SceneOf(30, 400));
+    scene.AddOdometryPriors();
+    const BundleSummary summary =
+        AdjustBundle(Options(), &scene.problem, {}, [&](double share) { return share < limit; });
+    EXPECT_THAT(summary.obstacle, HasSubstr("stopped"));
+    EXPECT_TRUE(summary.was_stopped);
+    EXPECT_TRUE(summary.rounds.empty());
+    ExpectUntouched(scene);
   }
 }
 
