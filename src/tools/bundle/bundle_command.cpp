@@ -18,13 +18,9 @@ void AddBundleCommand(CLI::App& app, Command* command) {
       "--no-loops", [request] { request->use_loops = false; }, "Take a flight's poses as they are");
   sub->add_option("--vocabulary", request->vocabulary, "For loops; default: the shipped one")
       ->check(CLI::ExistingFile);
-  sub->add_option_function<std::vector<std::string>>(
+  sub->add_option(
          "--refine",
-         [request](const std::vector<std::string>& parts) {
-           for (const std::string& part : parts) {
-             request->overrides.push_back(fmt::format("bundle.refine.{}=true", part));
-           }
-         },
+         request->refine,
          "What of the cameras is adjusted: intrinsics, distortion, extrinsics, time_offset")
       ->check(CLI::IsMember({"intrinsics", "distortion", "extrinsics", "time_offset"}));
   sub->add_option("--config", request->config, "YAML with options")->check(CLI::ExistingFile);

@@ -38,6 +38,7 @@ struct BundleRequest {
   std::filesystem::path vocabulary;  ///< for loops; empty: the shipped one
   std::filesystem::path config;
   std::vector<std::string> overrides;
+  std::vector<std::string> refine;  ///< of the cameras, beside what the options refine
   std::filesystem::path out;
   bool write_images = false;  ///< of a flight, beside its model
   bool show_progress = true;

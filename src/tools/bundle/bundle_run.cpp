@@ -155,6 +155,9 @@ Json RunBundle(const BundleRequest& request) {
   for (const std::string& assignment : request.overrides) {
     OverrideOption(assignment, &options);
   }
+  for (const std::string& part : request.refine) {
+    OverrideOption(fmt::format("bundle.refine.{}=true", part), &options);
+  }
   const Interrupt interrupt;
   BundleInput input = request.IsFlight() ? ReadFlight(request, options, interrupt)
                                          : ReadPosedImages(request, options);
