@@ -55,6 +55,7 @@ BundleSolver::BundleSolver(const BundleOptions& options,
                            const std::vector<int>& points)
     : options_(options),
       loss_(options.kernel_sigmas),
+      prior_loss_(options.prior_kernel_sigmas),
       point_indices_(points),
       references_(problem.images.size()),
       bodies_(problem.images.size()),
@@ -123,7 +124,7 @@ void BundleSolver::AddPriors(const BundleProblem& problem) {
   const auto q = [this](int image) { return q_W_B_[static_cast<std::size_t>(image)]; };
   for (const RelativePosePrior& prior : problem.relative_priors) {
     problem_->AddResidualBlock(RelativePoseError::Create({prior, q(prior.from), q(prior.to)}),
-                               nullptr,
+                               &prior_loss_,
                                body(prior.from),
                                body(prior.to));
   }
@@ -133,7 +134,7 @@ void BundleSolver::AddPriors(const BundleProblem& problem) {
   }
   for (const PosePrior& prior : problem.pose_priors) {
     problem_->AddResidualBlock(
-        PoseError::Create({prior, q(prior.image)}), nullptr, body(prior.image));
+        PoseError::Create({prior, q(prior.image)}), &prior_loss_, body(prior.image));
   }
   if (problem.pose_priors.empty()) {
     problem_->SetParameterBlockConstant(bodies_.front().data());
@@ -189,6 +190,9 @@ void BundleSolver::HoldCameras(const BundleProblem& problem) {
 }
 
 BundleSolver::Report BundleSolver::Solve(const std::function<bool(double share)>& goes_on) {
+  // The damping keeps the whole in its place. Held by one image, all others would have to follow
+  // where that one is wrong, which conjugate gradients do slowly.
+  problem_->SetParameterBlockVariable(bodies_.front().data());
   ceres::Solver::Options solver;
   // Every image sees points of a hundred others: a factor of the reduced system is as good as
   // dense, and even the system takes longer to build than conjugate gradients take without it.

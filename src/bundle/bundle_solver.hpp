@@ -17,8 +17,8 @@
 
 namespace deja_view::internal {
 
-/// The least-squares problem over some points of a BundleProblem: reprojection errors under a
-/// Cauchy kernel, and the priors of poses and cameras.
+/// The least-squares problem over some points of a BundleProblem: reprojection errors and priors of
+/// poses under Cauchy kernels, and the priors of tilts and cameras.
 class BundleSolver {
  public:
   /// `points` are indices into problem.points. Refers to nothing of `problem` afterwards.
@@ -66,6 +66,7 @@ class BundleSolver {
 
   BundleOptions options_;
   ceres::CauchyLoss loss_;
+  ceres::CauchyLoss prior_loss_;
   std::vector<int> point_indices_;
   std::deque<CameraState> cameras_;  ///< never move: residuals point to them
   std::vector<ImageReference> references_;

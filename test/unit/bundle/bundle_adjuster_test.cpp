@@ -45,7 +45,7 @@ TEST(AdjustBundle, TakesTheDriftOutOfAFlight) {
   EXPECT_LT(summary.rms_px, 0.6);
   EXPECT_GT(summary.points, 400);
   EXPECT_EQ(summary.weak_images, 0);
-  // The points are where they are, in the frame of the first image, which is held.
+  // The points are where they are: nothing moves the whole.
   double largest = 0;
   for (const BundlePoint& point : scene.problem.points) {
     const BundleObservation& o = point.observations.front();
@@ -189,6 +189,16 @@ TEST(AdjustBundle, UsesTracksThatJump) {
   scene.AddOdometryPriors();
   ASSERT_TRUE(AdjustBundle(Options(), &scene.problem).is_usable());
   EXPECT_LT(scene.Rmse(), 0.006);
+}
+
+TEST(AdjustBundle, DoesNotFollowAnOdometryThatJumps) {
+  BundleScene scene = MakeBundleScene();
+  scene.AddOdometryPriors();
+  scene.problem.images[0].T_W_B.t += Eigen::Vector3d(0.1, 0.1, 0);  // as before a VIO has settled
+  scene.problem.relative_priors[0].T_from_to.t -= Eigen::Vector3d(0.1, 0.1, 0);
+  const BundleSummary summary = AdjustBundle(Options(), &scene.problem);
+  ASSERT_TRUE(summary.is_usable()) << summary.obstacle;
+  EXPECT_LT(scene.Rmse(), 0.004);
 }
 
 TEST(AdjustBundle, LeavesAnImageWithoutCornersToItsPriors) {
