@@ -5,8 +5,8 @@
 namespace deja_view {
 namespace {
 
-const char* const kPositive = "more than 0";
-const char* const kNotNegative = "0 or more";
+constexpr const char* kPositive = "more than 0";
+constexpr const char* kNotNegative = "0 or more";
 
 }  // namespace
 
