@@ -99,7 +99,7 @@ class Adjustment {
           options_.min_points,
           options_.min_parallax_deg);
     }
-    const std::string gap = internal::FindGap(problem_, points);
+    std::string gap = internal::FindGap(problem_, points);
     if (!gap.empty()) {
       return gap;
     }
