@@ -73,14 +73,21 @@ double Rms(const std::vector<double>& errors) {
 /// The rounds over one problem.
 class Adjustment {
  public:
-  Adjustment(const BundleOptions& options, BundleProblem* problem)
-      : options_(options), problem_(*problem) {}
+  Adjustment(const BundleOptions& options,
+             const std::function<bool(double share)>& on_progress,
+             BundleProblem* problem)
+      : options_(options), on_progress_(on_progress), problem_(*problem) {}
 
-  /// Empty, or why the round could not be done.
+  bool was_stopped() const { return was_stopped_; }
+
+  /// Empty, or why the round could not be done. A round that is stopped changes no pose.
   std::string RunRound(int index, BundleRound* round) {
     const auto start = Clock::now();
     round->error_px = ErrorPx(index);
     FindPoints(index, round);
+    if (!GoesOn(WorkWhenMatched(index))) {
+      return "";
+    }
     const std::vector<int> points = internal::SelectPoints(problem_, options_.points_per_image);
     const int strong = CountStrongImages(problem_, points, options_.min_points);
     if (strong < 2) {
@@ -92,7 +99,7 @@ class Adjustment {
           options_.min_points,
           options_.min_parallax_deg);
     }
-    const std::string gap = internal::FindGap(problem_, points);
+    std::string gap = internal::FindGap(problem_, points);
     if (!gap.empty()) {
       return gap;
     }
@@ -101,7 +108,7 @@ class Adjustment {
     round->observations = static_cast<int>(errors.size());
     round->adjusted_points = static_cast<int>(points.size());
     round->matching_s = SecondsSince(start);
-    return Solve(points, round);
+    return Solve(index, points, round);
   }
 
   /// Triangulates all tracks once more with the final poses.
@@ -115,6 +122,17 @@ class Adjustment {
   }
 
  private:
+  /// Of all rounds, in units of a round's solver, when a round's corners are matched: matching
+  /// takes as long as solving, in the first round twice as long.
+  static double WorkWhenMatched(int index) { return 2 * index + 2; }
+
+  /// Whether to go on when so much work is done.
+  bool GoesOn(double work) {
+    const double all = 2 * options_.rounds + 1;
+    was_stopped_ = was_stopped_ || (on_progress_ && !on_progress_(work / all));
+    return !was_stopped_;
+  }
+
   double ErrorPx(int index) const {
     const double share =
         options_.rounds > 1 ? static_cast<double>(index) / (options_.rounds - 1) : 1;
@@ -125,7 +143,9 @@ class Adjustment {
   void FindPoints(int index, BundleRound* round) {
     if (index == 0) {
       pairs_ = internal::ChooseImagePairs(options_, problem_);
-      matches_ = internal::MatchDescriptors(options_, problem_, pairs_);
+      matches_ = internal::MatchDescriptors(options_, problem_, pairs_, [&](double share) {
+        return GoesOn(share * WorkWhenMatched(index));
+      });
     } else {
       const auto more = internal::SearchByProjection(options_, problem_, pairs_, round->error_px);
       matches_.insert(matches_.end(), more.begin(), more.end());
@@ -141,10 +161,14 @@ class Adjustment {
     round->points = static_cast<int>(problem_.points.size());
   }
 
-  std::string Solve(const std::vector<int>& points, BundleRound* round) {
+  std::string Solve(int index, const std::vector<int>& points, BundleRound* round) {
     const auto start = Clock::now();
     internal::BundleSolver solver(options_, problem_, points);
-    const auto report = solver.Solve();
+    const auto report =
+        solver.Solve([&](double share) { return GoesOn(WorkWhenMatched(index) + share); });
+    if (report.was_stopped) {
+      return "";
+    }
     if (!report.is_usable) {
       return "the solver found no solution";
     }
@@ -156,7 +180,9 @@ class Adjustment {
   }
 
   const BundleOptions& options_;
+  const std::function<bool(double share)>& on_progress_;
   BundleProblem& problem_;
+  bool was_stopped_ = false;
   std::vector<std::pair<int, int>> pairs_;
   std::vector<KeypointMatch> matches_;  ///< of all rounds, right or wrong
   std::vector<internal::Track> tracks_;
@@ -189,7 +215,8 @@ void Summarise(const BundleOptions& options,
 
 BundleSummary AdjustBundle(const BundleOptions& options,
                            BundleProblem* problem,
-                           const std::function<void(const BundleRound&)>& on_round) {
+                           const std::function<void(const BundleRound&)>& on_round,
+                           const std::function<bool(double share)>& on_progress) {
   CheckNone(options.Validate(), "bundle options");
   internal::CheckProblem(*problem);
   BundleSummary summary;
@@ -207,24 +234,31 @@ BundleSummary AdjustBundle(const BundleOptions& options,
     before.push_back(image.T_W_B);
   }
   const std::vector<BundleCamera> cameras = problem->cameras;
-  Adjustment adjustment(options, problem);
-  for (int i = 0; i < options.rounds; ++i) {
-    summary.rounds.emplace_back();
-    summary.obstacle = adjustment.RunRound(i, &summary.rounds.back());
-    if (!summary.is_usable()) {
-      problem->cameras = cameras;
-      problem->points.clear();
-      for (std::size_t k = 0; k < before.size(); ++k) {
-        problem->images[k].T_W_B = before[k];
-      }
-      return summary;
+  Adjustment adjustment(options, on_progress, problem);
+  for (int i = 0; i < options.rounds && summary.is_usable() && !summary.was_stopped; ++i) {
+    BundleRound round;
+    summary.obstacle = adjustment.RunRound(i, &round);
+    summary.was_stopped = adjustment.was_stopped();
+    if (summary.was_stopped && summary.rounds.empty()) {
+      summary.obstacle = "stopped before the first round was done";
     }
-    if (on_round) {
-      on_round(summary.rounds.back());
+    if (summary.is_usable() && !summary.was_stopped) {
+      summary.rounds.push_back(round);
+      if (on_round) {
+        on_round(round);
+      }
     }
   }
-  adjustment.Finish();
-  Summarise(options, *problem, before, &summary);
+  if (summary.is_usable()) {
+    adjustment.Finish();
+    Summarise(options, *problem, before, &summary);
+  } else {
+    problem->cameras = cameras;
+    problem->points.clear();
+    for (std::size_t k = 0; k < before.size(); ++k) {
+      problem->images[k].T_W_B = before[k];
+    }
+  }
   return summary;
 }
 

@@ -5,8 +5,8 @@
 namespace deja_view {
 namespace {
 
-const char* const kPositive = "more than 0";
-const char* const kNotNegative = "0 or more";
+constexpr const char* kPositive = "more than 0";
+constexpr const char* kNotNegative = "0 or more";
 
 }  // namespace
 
@@ -46,6 +46,7 @@ std::vector<std::string> BundleOptions::Validate() const {
   r.That(max_iterations >= 1, "max_iterations", max_iterations, "1 or more");
   r.That(pixel_sigma > 0, "pixel_sigma", pixel_sigma, kPositive);
   r.That(kernel_sigmas > 0, "kernel_sigmas", kernel_sigmas, kPositive);
+  r.That(prior_kernel_sigmas > 0, "prior_kernel_sigmas", prior_kernel_sigmas, kPositive);
   r.That(tolerance > 0, "tolerance", tolerance, kPositive);
   r.That(threads >= 0, "threads", threads, kNotNegative);
   r.Group("camera_sigmas", camera_sigmas.Validate());

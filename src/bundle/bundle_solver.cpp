@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "prior_errors.hpp"
+#include <ceres/iteration_callback.h>
 #include <ceres/normal_prior.h>
 #include <ceres/ordered_groups.h>
 #include <ceres/solver.h>
@@ -23,6 +24,21 @@ void AddNormalPrior(const std::vector<double>& sigmas, double* block, ceres::Pro
       std::make_unique<ceres::NormalPrior>(A, mean).release(), nullptr, block);
 }
 
+class StopOnRequest : public ceres::IterationCallback {
+ public:
+  StopOnRequest(int max_iterations, const std::function<bool(double share)>& goes_on)
+      : max_iterations_(max_iterations), goes_on_(goes_on) {}
+
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& iteration) override {
+    const double share = static_cast<double>(iteration.iteration) / max_iterations_;
+    return !goes_on_ || goes_on_(share) ? ceres::SOLVER_CONTINUE : ceres::SOLVER_ABORT;
+  }
+
+ private:
+  int max_iterations_;
+  const std::function<bool(double share)>& goes_on_;
+};
+
 }  // namespace
 
 BundleSolver::CameraState::CameraState(const BundleCamera& camera)
@@ -39,6 +55,7 @@ BundleSolver::BundleSolver(const BundleOptions& options,
                            const std::vector<int>& points)
     : options_(options),
       loss_(options.kernel_sigmas),
+      prior_loss_(options.prior_kernel_sigmas),
       point_indices_(points),
       references_(problem.images.size()),
       bodies_(problem.images.size()),
@@ -107,7 +124,7 @@ void BundleSolver::AddPriors(const BundleProblem& problem) {
   const auto q = [this](int image) { return q_W_B_[static_cast<std::size_t>(image)]; };
   for (const RelativePosePrior& prior : problem.relative_priors) {
     problem_->AddResidualBlock(RelativePoseError::Create({prior, q(prior.from), q(prior.to)}),
-                               nullptr,
+                               &prior_loss_,
                                body(prior.from),
                                body(prior.to));
   }
@@ -117,7 +134,7 @@ void BundleSolver::AddPriors(const BundleProblem& problem) {
   }
   for (const PosePrior& prior : problem.pose_priors) {
     problem_->AddResidualBlock(
-        PoseError::Create({prior, q(prior.image)}), nullptr, body(prior.image));
+        PoseError::Create({prior, q(prior.image)}), &prior_loss_, body(prior.image));
   }
   if (problem.pose_priors.empty()) {
     problem_->SetParameterBlockConstant(bodies_.front().data());
@@ -172,11 +189,15 @@ void BundleSolver::HoldCameras(const BundleProblem& problem) {
   }
 }
 
-BundleSolver::Report BundleSolver::Solve() {
+BundleSolver::Report BundleSolver::Solve(const std::function<bool(double share)>& goes_on) {
+  // The damping keeps the whole in its place. Held by one image, all others would have to follow
+  // where that one is wrong, which conjugate gradients do slowly.
+  problem_->SetParameterBlockVariable(bodies_.front().data());
   ceres::Solver::Options solver;
-  // Eigen's sparse Cholesky: SuiteSparse calls a BLAS whose sums depend on the number of cores.
-  solver.linear_solver_type = ceres::SPARSE_SCHUR;
-  solver.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
+  // Every image sees points of a hundred others: a factor of the reduced system is as good as
+  // dense, and even the system takes longer to build than conjugate gradients take without it.
+  solver.linear_solver_type = ceres::ITERATIVE_SCHUR;
+  solver.preconditioner_type = ceres::SCHUR_JACOBI;
   solver.num_threads = 1;
   solver.max_num_iterations = options_.max_iterations;
   solver.function_tolerance = options_.tolerance;
@@ -185,16 +206,26 @@ BundleSolver::Report BundleSolver::Solve() {
   for (Eigen::Vector3d& point : points_) {
     solver.linear_solver_ordering->AddElementToGroup(point.data(), 0);
   }
-  std::vector<double*> blocks;
-  problem_->GetParameterBlocks(&blocks);
-  for (double* block : blocks) {
-    if (problem_->ParameterBlockSize(block) != 3) {
-      solver.linear_solver_ordering->AddElementToGroup(block, 1);
+  // Within a group blocks are ordered by their addresses, which for cameras' are any.
+  int group = 1;
+  for (std::array<double, 6>& body : bodies_) {
+    solver.linear_solver_ordering->AddElementToGroup(body.data(), group);
+  }
+  for (CameraState& camera : cameras_) {
+    for (double* block : {camera.extrinsics.data(),
+                          &camera.time_offset_s,
+                          camera.projection.data(),
+                          camera.distortion.data()}) {
+      solver.linear_solver_ordering->AddElementToGroup(block, ++group);
     }
   }
+  StopOnRequest stop(options_.max_iterations, goes_on);
+  solver.callbacks.push_back(&stop);
   ceres::Solver::Summary summary;
   ceres::Solve(solver, problem_.get(), &summary);
-  return {summary.IsSolutionUsable(), static_cast<int>(summary.iterations.size()) - 1};
+  return {summary.IsSolutionUsable(),
+          summary.termination_type == ceres::USER_FAILURE,
+          static_cast<int>(summary.iterations.size()) - 1};
 }
 
 void BundleSolver::Store(BundleProblem* problem) const {

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -16,8 +17,8 @@
 
 namespace deja_view::internal {
 
-/// The least-squares problem over some points of a BundleProblem: reprojection errors under a
-/// Cauchy kernel, and the priors of poses and cameras.
+/// The least-squares problem over some points of a BundleProblem: reprojection errors and priors of
+/// poses under Cauchy kernels, and the priors of tilts and cameras.
 class BundleSolver {
  public:
   /// `points` are indices into problem.points. Refers to nothing of `problem` afterwards.
@@ -27,10 +28,12 @@ class BundleSolver {
 
   struct Report {
     bool is_usable = false;
+    bool was_stopped = false;
     int iterations = 0;
   };
-  /// One thread, sparse Schur complement: the same bits every time.
-  Report Solve();
+  /// One thread: the same bits every time. `goes_on` hears of each iteration's share of the most
+  /// that may be; false from it stops the solver.
+  Report Solve(const std::function<bool(double share)>& goes_on = {});
 
   /// Writes poses, points and refined cameras back.
   void Store(BundleProblem* problem) const;
@@ -63,6 +66,7 @@ class BundleSolver {
 
   BundleOptions options_;
   ceres::CauchyLoss loss_;
+  ceres::CauchyLoss prior_loss_;
   std::vector<int> point_indices_;
   std::deque<CameraState> cameras_;  ///< never move: residuals point to them
   std::vector<ImageReference> references_;

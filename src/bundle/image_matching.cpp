@@ -182,13 +182,21 @@ std::vector<Rigid3> CameraPoses(const BundleProblem& problem) {
 
 std::vector<KeypointMatch> MatchDescriptors(const BundleOptions& options,
                                             const BundleProblem& problem,
-                                            const std::vector<std::pair<int, int>>& pairs) {
+                                            const std::vector<std::pair<int, int>>& pairs,
+                                            const std::function<bool(double share)>& goes_on) {
+  constexpr std::size_t kPairsAtOnce = 256;
   std::vector<std::vector<KeypointMatch>> matches(pairs.size());
-  ParallelFor(options.threads, pairs.size(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      matches[i] = MatchPair(options, problem, pairs[i].first, pairs[i].second);
+  for (std::size_t first = 0; first < pairs.size(); first += kPairsAtOnce) {
+    if (goes_on && !goes_on(static_cast<double>(first) / static_cast<double>(pairs.size()))) {
+      break;
     }
-  });
+    const std::size_t count = std::min(kPairsAtOnce, pairs.size() - first);
+    ParallelFor(options.threads, count, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = first + begin; i < first + end; ++i) {
+        matches[i] = MatchPair(options, problem, pairs[i].first, pairs[i].second);
+      }
+    });
+  }
   return Join(std::move(matches));
 }
 

@@ -4,6 +4,7 @@
 #include "deja_view/bundle/bundle_problem.hpp"
 
 #include <cstdint>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -18,10 +19,12 @@ struct KeypointMatch {
   int distance = 0;  ///< [bit]
 };
 
-/// Mutually nearest descriptors of each pair of images, in the order of the pairs.
+/// Mutually nearest descriptors of each pair of images, in the order of the pairs. `goes_on` hears
+/// which share is done; false from it ends the work.
 std::vector<KeypointMatch> MatchDescriptors(const BundleOptions& options,
                                             const BundleProblem& problem,
-                                            const std::vector<std::pair<int, int>>& pairs);
+                                            const std::vector<std::pair<int, int>>& pairs,
+                                            const std::function<bool(double share)>& goes_on = {});
 
 /// Unit vectors in C towards every keypoint of every image, with the cameras as they are.
 using ImageRays = std::vector<std::vector<Eigen::Vector3d>>;

@@ -13,7 +13,6 @@ int main(int argc, char** argv) {
 #ifdef DEJA_VIEW_WITH_LAB
   deja_view::AddApeCommand(app, &command);
 #ifdef DEJA_VIEW_WITH_ROS
-  deja_view::AddBundleCommand(app, &command);
   deja_view::AddEvaluateCommand(app, &command);
 #endif
   deja_view::AddReportCommand(app, &command);
@@ -21,6 +20,7 @@ int main(int argc, char** argv) {
 #endif
   deja_view::AddNerfCommand(app, &command);
 #ifdef DEJA_VIEW_WITH_ROS
+  deja_view::AddBundleCommand(app, &command);
   deja_view::AddReplayCommand(app, &command);
   deja_view::AddViewsCommand(app, &command);
 #endif

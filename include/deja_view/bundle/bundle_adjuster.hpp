@@ -29,7 +29,8 @@ struct BundleRound {
 struct BundleSummary {
   /// Why nothing was adjusted and the problem is as it was; empty when it was.
   std::string obstacle;
-  std::vector<BundleRound> rounds;
+  std::vector<BundleRound> rounds;  ///< that were finished
+  bool was_stopped = false;         ///< before the last of options.rounds
   int images = 0;
   int weak_images = 0;  ///< see fewer than min_points points: they rest on their priors
   int points = 0;       ///< of the result
@@ -55,9 +56,13 @@ struct BundleSummary {
 /// corners) leaves the problem as it was, with an obstacle; images that see too little rest on
 /// their priors, which must then connect them. Throws CheckError for invalid options and for
 /// indices, sizes or values that make no problem.
+///
+/// `on_progress` hears in the caller's thread which share of the work is done, and stops it by
+/// false: the problem is then as the last finished round left it.
 BundleSummary AdjustBundle(const BundleOptions& options,
                            BundleProblem* problem,
-                           const std::function<void(const BundleRound&)>& on_round = {});
+                           const std::function<void(const BundleRound&)>& on_round = {},
+                           const std::function<bool(double share)>& on_progress = {});
 
 /// Covariances (t_W_B [m], rotation vector [rad] in W) of the poses of `images`, all else
 /// marginalised, in the problem as it is. Takes a sparse factorisation of all poses and a solution

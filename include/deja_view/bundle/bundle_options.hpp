@@ -62,14 +62,15 @@ struct BundleOptions {
   // Points.
   double min_parallax_deg = 1.5;  ///< between two rays of a point
   int min_views = 3;              ///< images that see a point
-  int points_per_image = 150;     ///< adjusted, at least where an image sees so many; 0: all
+  int points_per_image = 80;      ///< adjusted, at least where an image sees so many; 0: all
   int min_points = 10;            ///< an image that sees fewer rests on its priors
   // Solver.
-  int max_iterations = 12;     ///< per round
-  double pixel_sigma = 0.7;    ///< [px] of a corner
-  double kernel_sigmas = 2.0;  ///< Cauchy kernel
-  double tolerance = 1e-4;     ///< relative decrease of the cost that ends a round
-  int threads = 0;             ///< for matching; 0: all cores. The result does not depend on it
+  int max_iterations = 12;           ///< per round
+  double pixel_sigma = 0.7;          ///< [px] of a corner
+  double kernel_sigmas = 2.0;        ///< Cauchy kernel
+  double prior_kernel_sigmas = 4.0;  ///< of the priors of poses: an odometry may jump
+  double tolerance = 3e-4;           ///< relative decrease of the cost that ends a round
+  int threads = 0;  ///< for matching; 0: all cores. The result does not depend on it
   BundleRefinement refine;
   BundleCameraSigmas camera_sigmas;
 
@@ -94,6 +95,7 @@ struct BundleOptions {
     v("max_iterations", max_iterations);
     v("pixel_sigma", pixel_sigma);
     v("kernel_sigmas", kernel_sigmas);
+    v("prior_kernel_sigmas", prior_kernel_sigmas);
     v("tolerance", tolerance);
     v("threads", threads);
     v("refine", refine);

@@ -88,7 +88,7 @@ struct BundleProblem {
   std::vector<BundleImage> images;
   std::vector<RelativePosePrior> relative_priors;
   std::vector<TiltPrior> tilt_priors;
-  std::vector<PosePrior> pose_priors;  ///< without any, the first image's pose is held
+  std::vector<PosePrior> pose_priors;  ///< without any, the whole stays about where it is
   std::vector<BundleLoop> loops;       ///< matched beside the pairs that the poses suggest
   std::vector<BundlePoint> points;     ///< result
 

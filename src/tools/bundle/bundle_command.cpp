@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "common/commands.hpp"
+#include "common/interrupt.hpp"
 #include "nerf/nerf_command.hpp"
 #include <fmt/format.h>
 
@@ -17,13 +18,9 @@ void AddBundleCommand(CLI::App& app, Command* command) {
       "--no-loops", [request] { request->use_loops = false; }, "Take a flight's poses as they are");
   sub->add_option("--vocabulary", request->vocabulary, "For loops; default: the shipped one")
       ->check(CLI::ExistingFile);
-  sub->add_option_function<std::vector<std::string>>(
+  sub->add_option(
          "--refine",
-         [request](const std::vector<std::string>& parts) {
-           for (const std::string& part : parts) {
-             request->overrides.push_back(fmt::format("bundle.refine.{}=true", part));
-           }
-         },
+         request->refine,
          "What of the cameras is adjusted: intrinsics, distortion, extrinsics, time_offset")
       ->check(CLI::IsMember({"intrinsics", "distortion", "extrinsics", "time_offset"}));
   sub->add_option("--config", request->config, "YAML with options")->check(CLI::ExistingFile);
@@ -41,8 +38,18 @@ void AddBundleCommand(CLI::App& app, Command* command) {
       "Example:\n  deja_view bundle --bag hall.bag --camera euroc.yaml --out hall_bundle");
   sub->callback([=] {
     *command = [=] {
-      std::cout << RunBundle(*request).dump(2) << "\n";
-      return 0;
+      try {
+        const nlohmann::ordered_json json = RunBundle(*request);
+        std::cout << json.dump(2) << "\n";
+        if (!json.value("interrupted", false)) {
+          return 0;
+        }
+        std::cerr << "deja_view: interrupted; " << request->out.string() << " has what "
+                  << json["rounds"].size() << " finished rounds gave\n";
+      } catch (const Interrupted& e) {
+        std::cerr << "deja_view: " << e.what() << "\n";
+      }
+      return 130;
     };
   });
 }

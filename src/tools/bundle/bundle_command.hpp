@@ -13,6 +13,8 @@
 
 namespace deja_view {
 
+class Interrupt;
+
 /// Everything that `deja_view bundle` can be told by --config and --set.
 struct BundleToolOptions {
   BriefOptions features;
@@ -36,6 +38,7 @@ struct BundleRequest {
   std::filesystem::path vocabulary;  ///< for loops; empty: the shipped one
   std::filesystem::path config;
   std::vector<std::string> overrides;
+  std::vector<std::string> refine;  ///< of the cameras, beside what the options refine
   std::filesystem::path out;
   bool write_images = false;  ///< of a flight, beside its model
   bool show_progress = true;
@@ -51,15 +54,19 @@ struct BundleInput {
 };
 
 /// The keyframes of VINS-Mono's topics in a bag, with the VIO's tracks, its relative poses and
-/// gravity as priors, and the loops that a replay finds. Throws InputError.
-BundleInput ReadFlight(const BundleRequest& request, const BundleToolOptions& options);
+/// gravity as priors, and the loops that a replay finds. Throws InputError, and
+/// Interrupted after Ctrl-C.
+BundleInput ReadFlight(const BundleRequest& request,
+                       const BundleToolOptions& options,
+                       const Interrupt& interrupt);
 
 /// Images with given poses, which become priors. Throws InputError.
 BundleInput ReadPosedImages(const BundleRequest& request, const BundleToolOptions& options);
 
 /// Adjusts and writes `poses.txt` (TUM: bodies of a flight, else cameras), `colmap/` and
-/// `bundle.json` to request.out. Returns the JSON. Throws InputError, also for input that can't be
-/// adjusted.
+/// `bundle.json` to request.out. Returns the JSON. After Ctrl-C it writes what the rounds that were
+/// finished gave and says so ("interrupted"), or throws Interrupted before there is any. Throws
+/// InputError, also for input that can't be adjusted.
 nlohmann::ordered_json RunBundle(const BundleRequest& request);
 
 }  // namespace deja_view

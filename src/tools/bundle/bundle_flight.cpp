@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "bundle/bundle_command.hpp"
+#include "common/interrupt.hpp"
 #include "common/tool_figures.hpp"
 #include "replay/replay.hpp"
 
@@ -48,8 +49,11 @@ ClosedLoops CloseLoops(const BundleRequest& request) {
 /// Takes keyframes as they come.
 class FlightReader {
  public:
-  FlightReader(const BundleRequest& request, const BundleToolOptions& options)
+  FlightReader(const BundleRequest& request,
+               const BundleToolOptions& options,
+               const Interrupt& interrupt)
       : request_(request),
+        interrupt_(interrupt),
         extractor_(options.features),
         vins_(ReadVinsConfig(request.input.camera)) {
     input_.problem.cameras.push_back({vins_.camera, vins_.T_B_C, 0.0});
@@ -64,6 +68,15 @@ class FlightReader {
     };
     callbacks.on_keyframe = [this](const KeyframeInput& keyframe) { Add(keyframe); };
     callbacks.on_problem = [this](const std::string& what) { input_.warnings.push_back(what); };
+    Progress progress("describing", "messages", 0);
+    const auto show = [&](std::int64_t done, std::int64_t total) {
+      interrupt_.Check();
+      progress.SetTotal(static_cast<std::size_t>(total));
+      if (request_.show_progress) {
+        progress.Update(static_cast<std::size_t>(done));
+      }
+    };
+    callbacks.on_progress = show;
     ReplayBag(request_.input.bag, topics, {}, callbacks);
   }
 
@@ -100,6 +113,7 @@ class FlightReader {
   }
 
   const BundleRequest& request_;
+  const Interrupt& interrupt_;
   BriefExtractor extractor_;
   VinsConfig vins_;
   int sequence_ = 0;
@@ -127,10 +141,12 @@ void ApplyLoops(const ClosedLoops& closed, BundleProblem* problem, std::vector<i
 
 }  // namespace
 
-BundleInput ReadFlight(const BundleRequest& request, const BundleToolOptions& options) {
+BundleInput ReadFlight(const BundleRequest& request,
+                       const BundleToolOptions& options,
+                       const Interrupt& interrupt) {
   const std::optional<ClosedLoops> closed =
       request.use_loops ? std::make_optional(CloseLoops(request)) : std::nullopt;
-  FlightReader reader(request, options);
+  FlightReader reader(request, options, interrupt);
   reader.Read();
   BundleProblem& problem = reader.input_.problem;
   if (closed) {

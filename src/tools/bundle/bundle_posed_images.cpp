@@ -30,6 +30,19 @@ cv::Mat DecodeGrey(const nerf::PosedImage& image) {
   return picture;
 }
 
+/// As COLMAP's model names it: the path within its folder.
+std::string NameWithinFolder(const NerfInput& source, const nerf::PosedImage& image) {
+  if (!source.colmap.empty() || image.path.empty()) {
+    return image.name;
+  }
+  const std::filesystem::path folder = !source.images.empty() ? source.images
+                                       : !source.seven_scenes.empty()
+                                           ? source.seven_scenes
+                                           : source.transforms.parent_path();
+  const std::filesystem::path name = image.path.lexically_relative(folder);
+  return name.empty() || *name.begin() == ".." ? image.path.filename().string() : name.string();
+}
+
 }  // namespace
 
 BundleInput ReadPosedImages(const BundleRequest& request, const BundleToolOptions& options) {
@@ -48,7 +61,7 @@ BundleInput ReadPosedImages(const BundleRequest& request, const BundleToolOption
     bundle_image.camera = camera->second;
     bundle_image.stamp_ns = image.stamp_ns;
     bundle_image.T_W_B = image.T_N_C;
-    input.names.push_back(image.name);
+    input.names.push_back(NameWithinFolder(source, image));
   }
   const BriefExtractor extractor(options.features);
   ParallelFor(options.bundle.threads, images.size(), [&](std::size_t begin, std::size_t end) {

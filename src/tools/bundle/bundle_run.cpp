@@ -1,5 +1,6 @@
 #include "deja_view/base/atomic_file.hpp"
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/progress.hpp"
 #include "deja_view/base/requirements.hpp"
 #include "deja_view/camera/camera_parameters.hpp"
 #include "deja_view/io/colmap.hpp"
@@ -7,8 +8,10 @@
 #include "deja_view/io/tum.hpp"
 
 #include <iostream>
+#include <optional>
 
 #include "bundle/bundle_command.hpp"
+#include "common/interrupt.hpp"
 #include "common/tool_figures.hpp"
 #include <fmt/format.h>
 
@@ -87,6 +90,37 @@ ColmapModel ToColmap(const BundleInput& input) {
   return model;
 }
 
+/// With progress, until it is done or Ctrl-C.
+BundleSummary Adjust(const BundleRequest& request,
+                     const BundleOptions& options,
+                     const Interrupt& interrupt,
+                     BundleProblem* problem) {
+  std::optional<Progress> progress;
+  if (request.show_progress) {
+    progress.emplace("adjusting", "%", 100);
+  }
+  std::string note = "matching";
+  const auto on_round = [&](const BundleRound& round) {
+    note = fmt::format("within {:.1f} px: {} points, RMS {:.3f} -> {:.3f} px",
+                       round.error_px,
+                       round.points,
+                       round.rms_before_px,
+                       round.rms_after_px);
+  };
+  const BundleSummary summary = AdjustBundle(options, problem, on_round, [&](double share) {
+    if (progress) {
+      progress->Update(static_cast<std::size_t>(100 * share), note);
+    }
+    return !interrupt.HasCome();
+  });
+  if (progress) {
+    const auto percent = 100 * summary.rounds.size() / static_cast<std::size_t>(options.rounds);
+    progress->Finish(percent, note);
+    std::cerr << summary.ToString() << "\n";
+  }
+  return summary;
+}
+
 void WritePoses(const std::filesystem::path& path, const BundleProblem& problem) {
   Trajectory trajectory;
   for (const BundleImage& image : problem.images) {
@@ -121,30 +155,26 @@ Json RunBundle(const BundleRequest& request) {
   for (const std::string& assignment : request.overrides) {
     OverrideOption(assignment, &options);
   }
-  BundleInput input =
-      request.IsFlight() ? ReadFlight(request, options) : ReadPosedImages(request, options);
+  for (const std::string& part : request.refine) {
+    OverrideOption(fmt::format("bundle.refine.{}=true", part), &options);
+  }
+  const Interrupt interrupt;
+  BundleInput input = request.IsFlight() ? ReadFlight(request, options, interrupt)
+                                         : ReadPosedImages(request, options);
   const double read_cpu_s = CpuSeconds();
   Json cameras_before = Json::array();
   for (const BundleCamera& camera : input.problem.cameras) {
     cameras_before.push_back(ToJson(camera));
   }
-  const BundleSummary summary =
-      AdjustBundle(options.bundle, &input.problem, [&](const BundleRound& round) {
-        if (request.show_progress) {
-          std::cerr << fmt::format("round within {:.1f} px: {} points, RMS {:.3f} -> {:.3f} px\n",
-                                   round.error_px,
-                                   round.points,
-                                   round.rms_before_px,
-                                   round.rms_after_px);
-        }
-      });
+  const BundleSummary summary = Adjust(request, options.bundle, interrupt, &input.problem);
+  if (summary.was_stopped && summary.rounds.empty()) {
+    throw Interrupted();
+  }
   if (!summary.is_usable()) {
     ThrowInputError("the images can't be adjusted: {}", summary.obstacle);
   }
-  if (request.show_progress) {
-    std::cerr << summary.ToString() << "\n";
-  }
   Json json = ToJson(summary);
+  json["interrupted"] = summary.was_stopped;
   json["cameras_before"] = cameras_before;
   json["cameras"] = Json::array();
   for (const BundleCamera& camera : input.problem.cameras) {

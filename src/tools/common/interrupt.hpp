@@ -26,10 +26,14 @@ class Interrupt {
   Interrupt(const Interrupt&) = delete;
   Interrupt& operator=(const Interrupt&) = delete;
 
+  /// Whether a signal has come since it was last asked.
+  bool HasCome() const {
+    const timespec no_wait{0, 0};
+    return sigtimedwait(&signals_, nullptr, &no_wait) > 0;
+  }
   /// Throws Interrupted when a signal has come.
   void Check() const {
-    const timespec no_wait{0, 0};
-    if (sigtimedwait(&signals_, nullptr, &no_wait) > 0) {
+    if (HasCome()) {
       throw Interrupted();
     }
   }

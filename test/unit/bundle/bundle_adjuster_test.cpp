@@ -3,6 +3,7 @@
 #include "deja_view/base/check.hpp"
 #include "deja_view/camera/camera_parameters.hpp"
 
+#include <algorithm>
 #include <set>
 
 #include "bundle_scene.hpp"
@@ -44,7 +45,7 @@ TEST(AdjustBundle, TakesTheDriftOutOfAFlight) {
   EXPECT_LT(summary.rms_px, 0.6);
   EXPECT_GT(summary.points, 400);
   EXPECT_EQ(summary.weak_images, 0);
-  // The points are where they are, in the frame of the first image, which is held.
+  // The points are where they are: nothing moves the whole.
   double largest = 0;
   for (const BundlePoint& point : scene.problem.points) {
     const BundleObservation& o = point.observations.front();
@@ -75,6 +76,57 @@ TEST(AdjustBundle, GivesTheSameBitsOnAnyNumberOfThreads) {
   ASSERT_EQ(scenes[0].problem.points.size(), scenes[1].problem.points.size());
   for (std::size_t i = 0; i < scenes[0].problem.points.size(); ++i) {
     EXPECT_EQ(scenes[0].problem.points[i].p_W, scenes[1].problem.points[i].p_W);
+  }
+}
+
+TEST(AdjustBundle, TellsHowFarItIs) {
+  BundleScene scene = MakeBundleScene(SceneOf(30, 400));
+  scene.AddOdometryPriors();
+  std::vector<double> shares;
+  ASSERT_TRUE(AdjustBundle(Options(), &scene.problem, {}, [&](double share) {
+                shares.push_back(share);
+                return true;
+              }).is_usable());
+  ASSERT_GT(shares.size(), 8U);
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  EXPECT_GE(shares.front(), 0);
+  EXPECT_GT(shares.back(), 0.8);
+  EXPECT_LE(shares.back(), 1);
+}
+
+TEST(AdjustBundle, LeavesWhatTheFinishedRoundsGaveWhenItIsStopped) {
+  BundleScene scene = MakeBundleScene();
+  scene.AddOdometryPriors();
+  BundleOptions options = Options();
+  BundleScene one_round = scene;
+  int rounds = 0;
+  const BundleSummary summary = AdjustBundle(
+      options,
+      &scene.problem,
+      [&](const BundleRound&) {
+        ++rounds;
+        one_round = scene;
+      },
+      [&](double) { return rounds == 0; });
+  ASSERT_TRUE(summary.is_usable()) << summary.obstacle;
+  EXPECT_TRUE(summary.was_stopped);
+  EXPECT_EQ(summary.rounds.size(), 1U);
+  EXPECT_GT(summary.points, 400);
+  for (std::size_t i = 0; i < scene.T_vio.size(); ++i) {
+    EXPECT_EQ(scene.problem.images[i].T_W_B.t, one_round.problem.images[i].T_W_B.t);
+  }
+}
+
+TEST(AdjustBundle, LeavesTheProblemAsItWasWhenItIsStoppedAtOnce) {
+  for (const double limit : {-1.0, 0.15, 0.25}) {  // before matching, after it, in the solver
+    BundleScene scene = MakeBundleScene(SceneOf(30, 400));
+    scene.AddOdometryPriors();
+    const BundleSummary summary =
+        AdjustBundle(Options(), &scene.problem, {}, [&](double share) { return share < limit; });
+    EXPECT_THAT(summary.obstacle, HasSubstr("stopped"));
+    EXPECT_TRUE(summary.was_stopped);
+    EXPECT_TRUE(summary.rounds.empty());
+    ExpectUntouched(scene);
   }
 }
 
@@ -137,6 +189,16 @@ TEST(AdjustBundle, UsesTracksThatJump) {
   scene.AddOdometryPriors();
   ASSERT_TRUE(AdjustBundle(Options(), &scene.problem).is_usable());
   EXPECT_LT(scene.Rmse(), 0.006);
+}
+
+TEST(AdjustBundle, DoesNotFollowAnOdometryThatJumps) {
+  BundleScene scene = MakeBundleScene();
+  scene.AddOdometryPriors();
+  scene.problem.images[0].T_W_B.t += Eigen::Vector3d(0.1, 0.1, 0);  // as before a VIO has settled
+  scene.problem.relative_priors[0].T_from_to.t -= Eigen::Vector3d(0.1, 0.1, 0);
+  const BundleSummary summary = AdjustBundle(Options(), &scene.problem);
+  ASSERT_TRUE(summary.is_usable()) << summary.obstacle;
+  EXPECT_LT(scene.Rmse(), 0.004);
 }
 
 TEST(AdjustBundle, LeavesAnImageWithoutCornersToItsPriors) {
