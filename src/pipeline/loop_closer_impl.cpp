@@ -155,6 +155,7 @@ void LoopCloserImpl::Triangulate(NewKeyframe* current, KeyframeTimes* times) {
   const auto images = stereo_.Add(newest,
                                   keyframes_.node(newest).T_W_B * f.T_B_C,
                                   MakeCornerView(f.keypoints, f.descriptors, *camera_),
+                                  f.points_B.size(),
                                   MedianDepth(f));
   for (const MotionStereo::Image* image : images) {
     if (image->id == newest || keyframes_[image->id].is_place) {

@@ -17,6 +17,9 @@ void ReplaceOwnPoints(const CornerView& view,
   f.point_depth_sigmas.resize(tracked);
   f.point_ids.resize(tracked);
   f.point_descriptors.resize(tracked);
+  if (tracked >= static_cast<std::size_t>(options.enough)) {
+    return;
+  }
   for (const std::size_t i : SelectPoints(view, f.point_pixels, camera, options)) {
     const InverseDepth& depth = view.depths[i];
     f.points_B.push_back((f.T_B_C * (view.rays[i].cast<double>() / depth.mean)).cast<float>());

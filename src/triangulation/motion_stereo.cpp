@@ -26,6 +26,7 @@ std::vector<std::string> MotionStereoOptions::Validate() const {
   r.That(partners >= 1, "partners", partners, "at least 1");
   r.Range("min_overlap", min_overlap, 0.0, 1.0);
   r.Range("min_depth_ratio", min_depth_ratio, 0.0, 1.0);
+  r.That(enough >= 0, "enough", enough, "at least 0");
   r.That(max_points >= 0, "max_points", max_points, "at least 0");
   r.That(min_distance_px >= 0, "min_distance_px", min_distance_px, "at least 0");
   r.That(position_sigma_per_sqrt_m >= 0,
@@ -142,10 +143,8 @@ std::vector<MotionStereo::Partner> MotionStereo::ChoosePartners(const Rigid3& T_
   return chosen;
 }
 
-std::vector<const MotionStereo::Image*> MotionStereo::Add(int id,
-                                                          const Rigid3& T_W_C,
-                                                          CornerView view,
-                                                          double depth_m) {
+std::vector<const MotionStereo::Image*> MotionStereo::Add(
+    int id, const Rigid3& T_W_C, CornerView view, std::size_t tracked, double depth_m) {
   while (recent_.size() > static_cast<std::size_t>(std::max(0, options_.recent))) {
     recent_.pop_front();
   }
@@ -154,7 +153,9 @@ std::vector<const MotionStereo::Image*> MotionStereo::Add(int id,
   const double median_m = MedianDepth(depth_m);
   TriangulationOptions pair = options_.pair;
   pair.min_depth_m = std::max(pair.min_depth_m, options_.min_depth_ratio * median_m);
-  for (const Partner& partner : ChoosePartners(T_W_C, median_m)) {
+  const bool is_matched = tracked < static_cast<std::size_t>(options_.enough);
+  for (const Partner& partner :
+       is_matched ? ChoosePartners(T_W_C, median_m) : std::vector<Partner>()) {
     Image& other = recent_[partner.index];
     const Rigid3 T_b_a = other.T_W_C.Inverse() * T_W_C;
     const double root = std::sqrt(T_b_a.t.norm());

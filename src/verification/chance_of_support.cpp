@@ -5,28 +5,20 @@
 
 namespace deja_view {
 
-ChanceOfSupport::ChanceOfSupport(int width, int height)
-    : width_(width),
-      height_(height),
-      chance_of_none_(static_cast<std::size_t>(kColumns) * kRows, 1.0),
-      is_found_(chance_of_none_.size(), false) {}
+ChanceOfSupport::ChanceOfSupport(std::size_t groups)
+    : chance_of_none_(groups, 1.0), is_found_(groups, false) {}
 
-std::size_t ChanceOfSupport::CellOf(const Eigen::Vector2f& pixel) const {
-  const int x = std::clamp(static_cast<int>(pixel.x()) * kColumns / width_, 0, kColumns - 1);
-  const int y = std::clamp(static_cast<int>(pixel.y()) * kRows / height_, 0, kRows - 1);
-  return static_cast<std::size_t>(y * kColumns + x);
+void ChanceOfSupport::AddVisible(std::size_t group, double probability) {
+  chance_of_none_.at(group) *= 1.0 - probability;
 }
 
-void ChanceOfSupport::AddVisible(const Eigen::Vector2f& pixel, double probability) {
-  chance_of_none_[CellOf(pixel)] *= 1.0 - probability;
-}
-
-void ChanceOfSupport::AddFound(const Eigen::Vector2f& pixel) {
-  is_found_[CellOf(pixel)] = true;
+void ChanceOfSupport::AddFound(std::size_t group) {
+  is_found_.at(group) = true;
 }
 
 double ChanceOfSupport::Log10Probability(int spent) const {
-  constexpr double kLeast = 1e-3;  // of a cell that is found though no point was predicted in it
+  constexpr double kLeast =
+      1e-3;  // of a group that is found though none of its points was predicted
   std::vector<double> probabilities;
   int found = 0;
   for (std::size_t i = 0; i < chance_of_none_.size(); ++i) {
@@ -36,6 +28,14 @@ double ChanceOfSupport::Log10Probability(int spent) const {
     }
   }
   return Log10UpperTail(probabilities, found - spent);
+}
+
+std::size_t CellOf(const Eigen::Vector2f& pixel, int width, int height) {
+  constexpr int kColumns = 16;
+  constexpr int kRows = kImageCells / kColumns;
+  const int x = std::clamp(static_cast<int>(pixel.x()) * kColumns / width, 0, kColumns - 1);
+  const int y = std::clamp(static_cast<int>(pixel.y()) * kRows / height, 0, kRows - 1);
+  return static_cast<std::size_t>(y * kColumns + x);
 }
 
 double ChanceOfMatch(const Descriptor& point,

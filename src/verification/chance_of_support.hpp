@@ -10,35 +10,31 @@ namespace deja_view {
 
 /// How likely it is that a wrong pose finds as many of the points that it should see. An
 /// a-contrario bound: what chance explains is no evidence (Moisan and Stival, IJCV 2004; for poses
-/// Moulon, Monasse, Marlet, ACCV 2012), here with the chance of every point in the very images, and
-/// with matches that crowd counted once: neighbouring points match, or fail to, together.
+/// Moulon, Monasse, Marlet, ACCV 2012), here with the chance of every point in the very images.
 ///
-/// The image is cut into 16 x 12 cells. A cell is found when one of its points is; by chance it is
-/// with 1 - prod(1 - p) over its visible points. The number of found cells is then a sum of
-/// independent trials of unequal odds, whose distribution is computed exactly.
+/// Points that are found, or not, together form a group: it is found when one of its points is, by
+/// chance with 1 - prod(1 - p) over them. The number of found groups is then a sum of independent
+/// trials of unequal odds, whose distribution is computed exactly.
 class ChanceOfSupport {
  public:
-  /// Of the image that cells are counted on [px].
-  ChanceOfSupport(int width, int height);
+  explicit ChanceOfSupport(std::size_t groups);
 
-  /// A point that should be seen, at `pixel`; a wrong pose finds it with `probability`.
-  void AddVisible(const Eigen::Vector2f& pixel, double probability);
-  void AddFound(const Eigen::Vector2f& pixel);
+  /// A point of the group that should be seen; a wrong pose finds it with `probability`.
+  void AddVisible(std::size_t group, double probability);
+  void AddFound(std::size_t group);
 
-  /// log10 of the probability that chance finds as many cells, without `spent` of them: those that
+  /// log10 of the probability that chance finds as many groups, without `spent` of them: those that
   /// the pose was made from fit it anyway.
   double Log10Probability(int spent) const;
 
  private:
-  static constexpr int kColumns = 16;
-  static constexpr int kRows = 12;
-  std::size_t CellOf(const Eigen::Vector2f& pixel) const;
-
-  int width_;
-  int height_;
   std::vector<double> chance_of_none_;
   std::vector<bool> is_found_;
 };
+
+/// The image in 16 x 12 cells: that of `pixel`, and how many there are.
+std::size_t CellOf(const Eigen::Vector2f& pixel, int width, int height);
+inline constexpr std::size_t kImageCells = 16 * 12;
 
 /// Probability that at least one of `near` keypoints (expected number in the window) looks like
 /// `point`, as those all over the image do: the share of `keypoints` within `max_distance` [bits].

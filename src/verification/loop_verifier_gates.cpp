@@ -106,6 +106,19 @@ void LoopVerifier::Summarise(const Pair& pair,
         (problem.observations[static_cast<std::size_t>(i)].point - link.points->T_B_C.t).norm());
   }
   v->scene_depth = Median(&depths);
+  if (!pair.has_rig()) {
+    v->covariance *= Crowding(v->pixel_matches);
+  }
+}
+
+// What shifts one match, a lens or a depth that is a little off, shifts its neighbours as well.
+double LoopVerifier::Crowding(const std::vector<PixelMatch>& matches) const {
+  std::vector<bool> is_taken(kImageCells, false);
+  for (const PixelMatch& match : matches) {
+    is_taken[CellOf(match.current_pixel, camera_->width(), camera_->height())] = true;
+  }
+  const auto taken = std::count(is_taken.begin(), is_taken.end(), true);
+  return taken > 0 ? static_cast<double>(matches.size()) / static_cast<double>(taken) : 1.0;
 }
 
 // What several cameras of the rig show is one piece of evidence, and no more certain for that: the
@@ -148,7 +161,18 @@ double LoopVerifier::Log10FalseAlarms(const Pair& pair,
   constexpr float kAround = 3.0F;  // windows over which the density of keypoints is taken
   constexpr int kSpent = 2;        // matches that make a pose
   const auto radius = static_cast<float>(options_.final_radius_px);
-  ChanceOfSupport chance(camera_->width(), camera_->height());
+  // Several images of a rig, all made from one model, show the same: of a cell, they count once.
+  std::vector<std::size_t> first_group;
+  std::size_t groups = 0;
+  for (const Link& link : pair.links) {
+    first_group.push_back(groups);
+    groups += link.points->points_B.size();
+  }
+  const auto group_of = [&](std::size_t link, std::size_t point, const Eigen::Vector2f& pixel) {
+    return pair.has_rig() ? CellOf(pixel, camera_->width(), camera_->height())
+                          : first_group[link] + point;
+  };
+  ChanceOfSupport chance(pair.has_rig() ? kImageCells : groups);
   for (std::size_t i = 0; i < pair.links.size(); ++i) {
     const Link& link = pair.links[i];
     const Rigid3 T_image_points = link.is_reverse ? pose.T_O_U.Inverse() : pose.T_O_U;
@@ -170,16 +194,20 @@ double LoopVerifier::Log10FalseAlarms(const Pair& pair,
                                                options_.guided_max_distance,
                                                static_cast<double>(near) / (kAround * kAround));
       chance.AddVisible(
-          link.is_reverse ? pixel->cast<float>().eval() : link.points->point_pixels[k],
+          group_of(
+              i, k, link.is_reverse ? pixel->cast<float>().eval() : link.points->point_pixels[k]),
           probability);
     }
   }
   for (const int i : pose.inliers) {
     const Match& match = problem.matches[static_cast<std::size_t>(i)];
     const Link& link = pair.links[match.link];
-    chance.AddFound(link.is_reverse
-                        ? link.image->keypoints[static_cast<std::size_t>(match.keypoint)]
-                        : link.points->point_pixels[static_cast<std::size_t>(match.point)]);
+    const auto point = static_cast<std::size_t>(match.point);
+    chance.AddFound(group_of(match.link,
+                             point,
+                             link.is_reverse
+                                 ? link.image->keypoints[static_cast<std::size_t>(match.keypoint)]
+                                 : link.points->point_pixels[point]));
   }
   return log10_tests + chance.Log10Probability(kSpent);
 }

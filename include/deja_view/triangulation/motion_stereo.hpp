@@ -14,11 +14,12 @@ namespace deja_view {
 /// Which images of the past a new one is triangulated with, and how far their relative pose is
 /// believed.
 struct MotionStereoOptions {
-  int recent = 0;                           ///< images kept, e.g. 10; 0: nothing is triangulated
+  int recent = 10;                          ///< images kept; 0: nothing is triangulated
   int partners = 2;                         ///< of them, those that a new image is matched with
   double min_overlap = 0.4;                 ///< of the new image's view that a partner must see
   double min_depth_ratio = 0.2;             ///< to the scene's median: nothing nearer is looked for
-  int max_points = 300;                     ///< best of an image's corners that become points
+  int enough = 100;                         ///< tracked points: an image with so many needs no more
+  int max_points = 200;                     ///< best of an image's corners that become points
   double min_distance_px = 4.0;             ///< of them from those that are points already
   double position_sigma_per_sqrt_m = 0.01;  ///< of the odometry, per square root of the metres
   double yaw_sigma_per_sqrt_m_deg = 0.1;
@@ -30,6 +31,7 @@ struct MotionStereoOptions {
     v("partners", partners);
     v("min_overlap", min_overlap);
     v("min_depth_ratio", min_depth_ratio);
+    v("enough", enough);
     v("max_points", max_points);
     v("min_distance_px", min_distance_px);
     v("position_sigma_per_sqrt_m", position_sigma_per_sqrt_m);
@@ -62,10 +64,12 @@ class MotionStereo {
     CornerView view;
   };
 
-  /// Adds the next image, matches it with some of the recent ones and fuses what that says of both
-  /// sides' depths. Returns the images whose depths may have changed, the new one first; valid
-  /// until the next call. `depth_m`: how far away the scene is, where nothing else is known.
-  std::vector<const Image*> Add(int id, const Rigid3& T_W_C, CornerView view, double depth_m);
+  /// Adds the next image and, unless it has `enough` tracked points, matches it with some of the
+  /// recent ones and fuses what that says of both sides' depths. Returns the images whose depths
+  /// may have changed, the new one first; valid until the next call. `depth_m`: how far away the
+  /// scene is, where nothing else is known.
+  std::vector<const Image*> Add(
+      int id, const Rigid3& T_W_C, CornerView view, std::size_t tracked, double depth_m);
 
  private:
   struct Partner {

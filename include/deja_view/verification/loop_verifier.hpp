@@ -217,6 +217,8 @@ class LoopVerifier {
                  const Problem& problem,
                  const RefinedPose& pose,
                  Verification* v) const;
+  /// Matches per cell of the current image that has any.
+  double Crowding(const std::vector<PixelMatch>& matches) const;
   double Log10FalseAlarms(const Pair& pair,
                           const Problem& problem,
                           const RefinedPose& pose,

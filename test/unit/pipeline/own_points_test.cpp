@@ -42,6 +42,11 @@ TEST(ReplaceOwnPointsTest, PutsCornersBehindTheTrackedPoints) {
     EXPECT_FLOAT_EQ(f.point_depth_sigmas[1], 0.04F);  // 0.01 / 0.5^2
     EXPECT_EQ(f.point_descriptors[1], view.descriptors[0]);
   }
+  MotionStereoOptions content;
+  content.enough = 1;
+  KeyframeFeatures rich = OneTrackedPoint();
+  ReplaceOwnPoints(view, camera, content, &rich);
+  EXPECT_EQ(rich.points_B.size(), 1U) << "the VIO's are enough";
   view.depths[0] = {};
   ReplaceOwnPoints(view, camera, {}, &f);
   EXPECT_THAT(f.point_ids, testing::ElementsAre(42));

@@ -28,13 +28,16 @@ class MotionStereoTest : public testing::Test {
     R_W_C << 0, 0, 1, -1, 0, 0, 0, -1, 0;
     return {FromYaw(ToRadians(yaw_deg)) * Eigen::Quaterniond(R_W_C), position};
   }
-  std::vector<const MotionStereo::Image*> Add(int id, const Rigid3& T_W_C) {
+  std::vector<const MotionStereo::Image*> Add(int id,
+                                              const Rigid3& T_W_C,
+                                              std::size_t tracked = 0) {
     const Features features = extractor_.Extract(room_.Render(*camera_, T_W_C, {}).image);
     std::vector<Eigen::Vector2f> pixels;
     for (const Keypoint& keypoint : features.keypoints) {
       pixels.emplace_back(keypoint.x, keypoint.y);
     }
-    return stereo_.Add(id, T_W_C, MakeCornerView(pixels, features.descriptors, *camera_), 3.0);
+    return stereo_.Add(
+        id, T_W_C, MakeCornerView(pixels, features.descriptors, *camera_), tracked, 3.0);
   }
   int CountCertain(const MotionStereo::Image& image) const {
     int certain = 0;
@@ -93,6 +96,13 @@ TEST_F(MotionStereoTest, TurningOnTheSpotTellsNothing) {
   for (int i = 0; i < 4; ++i) {
     EXPECT_EQ(CountCertain(*Add(i, Pose({0, 0, 0}, 5.0 * i)).front()), 0);
   }
+}
+
+TEST_F(MotionStereoTest, AnImageWithEnoughTrackedPointsIsNotMatchedButHelpsTheNext) {
+  const auto enough = static_cast<std::size_t>(options_.enough);
+  Add(0, Pose({0, 0, 0}, 0), enough);
+  EXPECT_EQ(Add(1, Pose({0, 0.3, 0}, 5), enough).size(), 1U);
+  EXPECT_GT(CountCertain(*Add(2, Pose({0, 0.5, 0}, 5), enough - 1).front()), 50);
 }
 
 TEST_F(MotionStereoTest, ImagesThatShareNoViewAreNoPartners) {

@@ -36,32 +36,54 @@ TEST(ChanceOfMatch, GrowsWithTheShareOfAlikeKeypointsAndWithTheirDensity) {
   EXPECT_NEAR(ChanceOfMatch(zeros, keypoints, 80, 0.3), 1 - std::pow(1 - 20.5 / 101, 0.3), 1e-12);
 }
 
-/// Points on a grid over 640 x 480 with odds of 1 %, and as many found of them as asked.
-double Log10Of(int found, float spacing_px) {
-  ChanceOfSupport chance(640, 480);
-  int left = found;
-  for (float y = 5; y < 480; y += 40) {
-    for (float x = 5; x < 640; x += 40) {
-      chance.AddVisible({x, y}, 0.01);
-    }
-  }
-  for (float y = 5; left > 0; y += spacing_px) {
-    for (float x = 5; x < 640 && left > 0; x += spacing_px, --left) {
-      chance.AddFound({x, y});
+/// Of 192 points with odds of 1 %, as many found as asked.
+double Log10Of(int found) {
+  constexpr std::size_t kPoints = 192;
+  ChanceOfSupport chance(kPoints);
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    chance.AddVisible(i, 0.01);
+    if (i < static_cast<std::size_t>(found)) {
+      chance.AddFound(i);
     }
   }
   return chance.Log10Probability(2);
 }
 
-TEST(ChanceOfSupport, FewAreImprobableWhenTheySpread) {
-  EXPECT_EQ(Log10Of(2, 40), 0) << "those that made the pose";
-  EXPECT_GT(Log10Of(4, 40), -2);
-  EXPECT_LT(Log10Of(15, 40), -6);
+TEST(ChanceOfSupport, FewAreImprobableWhenEachIs) {
+  EXPECT_EQ(Log10Of(2), 0) << "those that made the pose";
+  EXPECT_GT(Log10Of(4), -2);
+  EXPECT_LT(Log10Of(15), -6);
 }
 
-TEST(ChanceOfSupport, CrowdsCountOnce) {
-  EXPECT_NEAR(Log10Of(60, 5), Log10Of(8, 40), 1e-9) << "60 in a row of 300 px: 8 cells";
-  EXPECT_EQ(Log10Of(2, 5), 0);
+TEST(ChanceOfSupport, PointsOfAGroupCountOnce) {
+  ChanceOfSupport chance(8);
+  for (std::size_t group = 0; group < 8; ++group) {
+    for (int i = 0; i < 20; ++i) {
+      chance.AddVisible(group, 0.01);
+      chance.AddFound(group);
+    }
+  }
+  const double p = 1 - std::pow(0.99, 20);
+  const std::vector<double> as_one(8, p);
+  EXPECT_NEAR(chance.Log10Probability(2), Log10UpperTail(as_one, 6), 1e-9);
+}
+
+TEST(ChanceOfSupport, ManyPointsWithFairOddsDoNotSaturate) {
+  // 600 points that chance finds one in ten of: 90 say nothing, 150 a lot.
+  ChanceOfSupport few(600);
+  ChanceOfSupport many(600);
+  for (std::size_t i = 0; i < 600; ++i) {
+    few.AddVisible(i, 0.1);
+    many.AddVisible(i, 0.1);
+    if (i < 150) {
+      many.AddFound(i);
+    }
+    if (i < 70) {
+      few.AddFound(i);
+    }
+  }
+  EXPECT_GT(few.Log10Probability(2), -2);
+  EXPECT_LT(many.Log10Probability(2), -15);
 }
 
 TEST(ChanceOfSupport, IsCalibratedOnChance) {
@@ -70,20 +92,25 @@ TEST(ChanceOfSupport, IsCalibratedOnChance) {
   int below_one_percent = 0;
   constexpr int kTrials = 2000;
   for (int trial = 0; trial < kTrials; ++trial) {
-    ChanceOfSupport chance(640, 480);
-    for (int i = 0; i < 200; ++i) {
-      const Eigen::Vector2f pixel(static_cast<float>(random.Uniform(0, 640)),
-                                  static_cast<float>(random.Uniform(0, 480)));
+    ChanceOfSupport chance(200);
+    for (std::size_t i = 0; i < 200; ++i) {
       const double p = random.Uniform(0.005, 0.05);
-      chance.AddVisible(pixel, p);
+      chance.AddVisible(i, p);
       if (random.Uniform(0, 1) < p) {
-        chance.AddFound(pixel);
+        chance.AddFound(i);
       }
     }
     below_one_percent += chance.Log10Probability(0) <= -2 ? 1 : 0;
   }
   EXPECT_LE(below_one_percent, 0.015 * kTrials);
   EXPECT_GT(below_one_percent, 0.002 * kTrials);
+}
+
+TEST(CellOf, CutsTheImageIntoSixteenByTwelve) {
+  EXPECT_EQ(CellOf({0, 0}, 640, 480), 0U);
+  EXPECT_EQ(CellOf({41, 0}, 640, 480), 1U);
+  EXPECT_EQ(CellOf({0, 41}, 640, 480), 16U);
+  EXPECT_EQ(CellOf({640, 480}, 640, 480), kImageCells - 1) << "the edge belongs to the last";
 }
 
 }  // namespace
