@@ -25,7 +25,7 @@ struct LoopConsistencyOptions {
   double max_path_over_depth = 3.0;  ///< of odometry on either side between two compared loops
   double max_sigmas = 3.5;           ///< of the difference, per axis and yaw
   // Drift that a single loop may claim against the corrected trajectory.
-  double plausible_over_depth = 0.2;    ///< always
+  double plausible_over_depth = 0.2;     ///< always
   double plausible_m_per_m = 0.03;       ///< [m] more per metre flown since the last loop
   double plausible_yaw_deg = 4.0;        ///< [deg] always
   double plausible_yaw_deg_per_m = 0.3;  ///< [deg] more per metre flown since the last loop

@@ -80,7 +80,7 @@ struct LoopVerifierOptions {
   // Largest standard deviation of the position: over the scene's depth, for what a scene can tell;
   // and in metres, with a rig as well, for what a loop is to be good for.
   double max_sigma_over_depth = 0.03;
-  double max_sigma_m = 0.1;
+  double max_sigma_m = 0.08;
   RigGates rig;  ///< in place of these where virtual views are needed
 
   template <typename Visitor>
