@@ -35,7 +35,7 @@ std::size_t CellOf(const Eigen::Vector2f& pixel, int width, int height) {
   constexpr int kRows = kImageCells / kColumns;
   const int x = std::clamp(static_cast<int>(pixel.x()) * kColumns / width, 0, kColumns - 1);
   const int y = std::clamp(static_cast<int>(pixel.y()) * kRows / height, 0, kRows - 1);
-  return static_cast<std::size_t>(y * kColumns + x);
+  return static_cast<std::size_t>(y) * kColumns + static_cast<std::size_t>(x);
 }
 
 double ChanceOfMatch(const Descriptor& point,

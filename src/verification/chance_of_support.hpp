@@ -34,7 +34,7 @@ class ChanceOfSupport {
 
 /// The image in 16 x 12 cells: that of `pixel`, and how many there are.
 std::size_t CellOf(const Eigen::Vector2f& pixel, int width, int height);
-inline constexpr std::size_t kImageCells = 16 * 12;
+inline constexpr std::size_t kImageCells = std::size_t{16} * 12;
 
 /// Probability that at least one of `near` keypoints (expected number in the window) looks like
 /// `point`, as those all over the image do: the share of `keypoints` within `max_distance` [bits].
