@@ -13,6 +13,7 @@ using Command = std::function<int()>;
 void AddApeCommand(CLI::App& app, Command* command);
 void AddBundleCommand(CLI::App& app, Command* command);
 void AddEvaluateCommand(CLI::App& app, Command* command);
+void AddMapCommand(CLI::App& app, Command* command);
 void AddNerfCommand(CLI::App& app, Command* command);
 void AddReplayCommand(CLI::App& app, Command* command);
 void AddReportCommand(CLI::App& app, Command* command);

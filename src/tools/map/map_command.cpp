@@ -1,0 +1,51 @@
+#include "map/map_command.hpp"
+
+#include <iostream>
+#include <memory>
+
+#include "common/commands.hpp"
+#include "common/interrupt.hpp"
+
+namespace deja_view {
+
+void AddMapCommand(CLI::App& app, Command* command) {
+  auto request = std::make_shared<MapRequest>();
+  CLI::App* sub = app.add_subcommand(
+      "map", "Make a map that also recognises the place from where the flight has not been");
+  sub->add_option("--bag", request->bag, "Bag with images and VINS-Mono's keyframes")
+      ->required()
+      ->check(CLI::ExistingFile);
+  sub->add_option("--camera", request->camera, "Camera YAML, as VINS-Mono's")
+      ->required()
+      ->check(CLI::ExistingFile);
+  sub->add_option("--out", request->out, "Directory for map.dvm, field.dvn and what they rest on")
+      ->required();
+  sub->add_option("--budget-s", request->budget_s, "Wall time in all [s]")
+      ->check(CLI::Range(60.0, 1e6))
+      ->capture_default_str();
+  sub->add_option("--steps", request->steps, "Of the training, whatever the budget: repeatable")
+      ->check(CLI::NonNegativeNumber);
+  sub->add_option("--preset", request->preset, "Of the views: paper, wide or a YAML file")
+      ->capture_default_str();
+  sub->add_option("--set", request->overrides, "Override of the loop closer: group.key=value")
+      ->take_all();
+  sub->add_option("--threads", request->threads, "0: one per core");
+  sub->add_flag_callback(
+      "--quiet", [request] { request->show_progress = false; }, "No progress");
+  sub->footer(
+      "Run again after Ctrl-C, it goes on where it was.\n"
+      "Example:\n  deja_view map --bag hall.bag --camera euroc.yaml --out hall_map");
+  sub->callback([=] {
+    *command = [=] {
+      try {
+        std::cout << RunMap(*request).dump(2) << "\n";
+        return 0;
+      } catch (const Interrupted&) {
+        std::cerr << "deja_view: interrupted; the same command goes on from here\n";
+        return 130;
+      }
+    };
+  });
+}
+
+}  // namespace deja_view

@@ -1,0 +1,272 @@
+#include "deja_view/base/atomic_file.hpp"
+#include "deja_view/base/check.hpp"
+#include "deja_view/base/hash.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <functional>
+#include <iostream>
+#include <set>
+
+#include "bundle/bundle_command.hpp"
+#include "common/interrupt.hpp"
+#include "common/tool_figures.hpp"
+#include "map/map_command.hpp"
+#include "nerf/nerf_command.hpp"
+#include "replay/replay.hpp"
+#include "views/views_command.hpp"
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace deja_view {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Finished stages with what they were made from, in `stages.json`.
+class Stages {
+ public:
+  Stages(const MapRequest& request, std::uint64_t input)
+      : path_(request.out / "stages.json"), is_shown_(request.show_progress), key_(input) {
+    std::ifstream file(path_);
+    if (file) {
+      finished_ = Json::parse(file, nullptr, false);
+    }
+    if (!finished_.is_object()) {
+      finished_ = Json::object();
+    }
+  }
+
+  /// Runs `make`, or takes what it gave before if the settings and all stages before are the same
+  /// and `product` is there.
+  Json Run(const std::string& name,
+           const std::string& settings,
+           const std::filesystem::path& product,
+           const std::function<Json()>& make) {
+    key_ = Hash64(fmt::format("{:016x}\n{}\n{}", key_, name, settings));
+    const std::string key = fmt::format("{:016x}", key_);
+    const auto before = finished_.find(name);
+    if (before != finished_.end() && before->value("made_from", "") == key &&
+        before->contains("figures") && std::filesystem::exists(product)) {
+      Tell(name, "as it was");
+      return (*before)["figures"];
+    }
+    Tell(name, "begins");
+    // A kill on the way must not leave the older stage's record beside the newer product.
+    is_begun_ = before != finished_.end() && before->value("made_from", "") == key;
+    finished_[name] = {{"made_from", key}};
+    Write();
+    const Json figures = Make(name, make);
+    finished_[name]["figures"] = figures;
+    Write();
+    return figures;
+  }
+
+  /// Whether the running stage was begun before, with the same settings.
+  bool is_begun() const { return is_begun_; }
+
+ private:
+  static Json Make(const std::string& name, const std::function<Json()>& make) {
+    try {
+      return make();
+    } catch (const InputError& e) {
+      ThrowInputError("{}: {}", name, e.what());
+    }
+  }
+  void Tell(const std::string& name, const std::string& what) const {
+    if (is_shown_) {
+      std::cerr << fmt::format("{}: {}\n", name, what);
+    }
+  }
+  void Write() const {
+    WriteFileAtomically(path_, [&](std::ostream& out) { out << finished_.dump(2) << "\n"; });
+  }
+
+  std::filesystem::path path_;
+  bool is_shown_;
+  std::uint64_t key_;
+  Json finished_ = Json::object();
+  bool is_begun_ = false;
+};
+
+/// One map in the making.
+class MapMaker {
+ public:
+  explicit MapMaker(const MapRequest& request)
+      : request_(request),
+        start_(Clock::now()),
+        stages_(request, Hash64OfFile(request.bag) ^ (Hash64OfFile(request.camera) * 31)) {}
+
+  Json Make() {
+    Json json;
+    json["bundle"] = Adjust();
+    images_ = json["bundle"]["images"].get<int>();
+    json["field"] = Train();
+    json["field_quality"] = Evaluate();
+    interrupt_.Check();
+    json["loops"] = CloseLoops();
+    interrupt_.Check();
+    json["views"] = Render();
+    json["map"] = Save();
+    json["cpu_s"] = CpuSeconds();
+    json["wall_s"] = SecondsSince(start_);
+    json["peak_rss_mb"] = PeakRss_mb();
+    WriteFileAtomically(request_.out / "map.json",
+                        [&](std::ostream& out) { out << json.dump(2) << "\n"; });
+    return json;
+  }
+
+ private:
+  ReplayRequest Replay() const {
+    ReplayRequest replay;
+    replay.bag = request_.bag;
+    replay.camera = request_.camera;
+    replay.overrides = request_.overrides;
+    replay.show_progress = request_.show_progress;
+    return replay;
+  }
+
+  static Json Figures(const ReplayResult& result) {
+    std::set<int> found;
+    int accepted = 0;
+    for (const LoopReport& loop : result.loops) {
+      if (loop.accepted()) {
+        ++accepted;
+        found.insert(loop.current);
+      }
+    }
+    return {{"keyframes", result.keyframes.size()},
+            {"places", result.places},
+            {"loops", accepted},
+            {"keyframes_with_loop", found.size()},
+            {"views", result.views.kept},
+            {"core_memory_mb", result.core_memory_mb}};
+  }
+
+  std::filesystem::path path(const std::string& name) const { return request_.out / name; }
+
+  Json CloseLoops() {
+    const std::string settings = fmt::format("{}", fmt::join(request_.overrides, "\n"));
+    return stages_.Run("loops", settings, path("flight/places.txt"), [&] {
+      ReplayRequest replay = Replay();
+      replay.use_virtual_views = false;
+      replay.out = path("flight");
+      return Figures(RunReplay(replay));
+    });
+  }
+
+  Json Adjust() {
+    return stages_.Run("bundle", "", path("bundle/poses.txt"), [&] {
+      BundleRequest bundle;
+      bundle.input.bag = request_.bag;
+      bundle.input.camera = request_.camera;
+      bundle.out = path("bundle");
+      bundle.show_progress = request_.show_progress;
+      const Json figures = RunBundle(bundle);
+      if (figures.value("interrupted", false)) {
+        throw Interrupted();
+      }
+      if (!std::filesystem::exists(path("bundle/poses.txt"))) {
+        ThrowInputError("{}: stamps that go back: a map is made of one flight",
+                        request_.bag.string());
+      }
+      return Json{{"images", figures["images"]},
+                  {"weak_images", figures["weak_images"]},
+                  {"points", figures["points"]},
+                  {"median_px", figures["median_px"]},
+                  {"mean_shift_m", figures["mean_shift_m"]}};
+    });
+  }
+
+  /// The images that were adjusted; of a long flight some 300, which show a hall often enough.
+  NerfInput FieldInput() const {
+    constexpr int kImages = 300;
+    NerfInput input;
+    input.bag = request_.bag;
+    input.camera = request_.camera;
+    input.poses = path("bundle/poses.txt");
+    input.skip_missing = true;
+    input.every = std::max(1, (images_ + kImages / 2) / kImages);
+    return input;
+  }
+
+  Json Train() {
+    // What describing and writing the views may take of what is left.
+    constexpr double kTraining = 0.65;
+    const std::string settings = request_.steps > 0 ? fmt::format("{} steps", request_.steps)
+                                                    : fmt::format("{} s", request_.budget_s);
+    return stages_.Run("field", settings, path("field.dvn"), [&] {
+      NerfTrainRequest train;
+      train.input = FieldInput();
+      train.budget_s = std::max(30.0, kTraining * (request_.budget_s - SecondsSince(start_)));
+      train.steps = request_.steps;
+      train.threads = request_.threads;
+      train.out = path("field.dvn");
+      train.show_progress = request_.show_progress;
+      if (stages_.is_begun() && std::filesystem::exists(train.out) &&
+          RunNerfInfo(train.out).value("trained_share", 1.0) < 1) {
+        train.resume = train.out;
+      }
+      const Json figures = RunNerfTrain(train);
+      if (figures["interrupted"].get<bool>()) {
+        throw Interrupted();
+      }
+      return figures;
+    });
+  }
+
+  Json Evaluate() {
+    return stages_.Run("field_quality", "", path("field.dvn"), [&] {
+      NerfEvalRequest eval;
+      eval.input = FieldInput();
+      eval.model = path("field.dvn");
+      eval.pictures = path("pictures");
+      eval.views = 8;
+      eval.threads = request_.threads;
+      eval.show_progress = request_.show_progress;
+      return RunNerfEval(eval);
+    });
+  }
+
+  Json Render() {
+    return stages_.Run("views", request_.preset, path("views.bag"), [&] {
+      ViewsRenderRequest views;
+      views.input.flight.bag = request_.bag;
+      views.input.flight.camera = request_.camera;
+      views.input.poses = path("bundle/poses.txt");
+      views.input.model = path("field.dvn");
+      views.input.preset = request_.preset;
+      views.input.places = path("flight/places.txt");
+      views.input.threads = request_.threads;
+      views.input.show_progress = request_.show_progress;
+      views.content = "features";
+      views.views_only = true;
+      views.out = path("views.bag");
+      return RunViewsRender(views);
+    });
+  }
+
+  Json Save() {
+    return stages_.Run("map", "", path("map.dvm"), [&] {
+      ReplayRequest replay = Replay();
+      replay.virtual_bag = path("views.bag");
+      replay.save_map = request_.out;
+      replay.out = path("flight_with_views");
+      return Figures(RunReplay(replay));
+    });
+  }
+
+  Interrupt interrupt_;  // before any stage starts threads
+  const MapRequest& request_;
+  Clock::time_point start_;
+  Stages stages_;
+  int images_ = 0;
+};
+
+}  // namespace
+
+Json RunMap(const MapRequest& request) {
+  return MapMaker(request).Make();
+}
+
+}  // namespace deja_view

@@ -1,0 +1,79 @@
+#!/usr/bin/python3
+"""map_test.py TOOL FLIGHT: what `deja_view map` makes of the simulated flight in the directory FLIGHT, and what of it is
+made again."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+TOOL, FLIGHT = sys.argv[1:3]
+BAG, CAMERA = os.path.join(FLIGHT, "flight.bag"), os.path.join(FLIGHT, "camera.yaml")
+STAGES = ["bundle", "field", "field_quality", "loops", "views", "map"]
+
+
+class MapTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.out = os.path.join(folder.name, "place")
+
+    def command(self, *arguments):
+        return [TOOL, "map", "--bag", BAG, "--camera", CAMERA, "--out", self.out, *arguments]
+
+    def map(self, *arguments, code=0):
+        result = subprocess.run(self.command("--steps", "60", *arguments), capture_output=True, text=True, check=False)
+        self.assertEqual(result.returncode, code, result.stderr)
+        return result
+
+    def stages(self, stderr, what):
+        lines = stderr.replace("\r", "\n").splitlines()
+        return [stage for stage in STAGES if f"{stage}: {what}" in lines]
+
+    def test_makes_a_map_and_only_what_changed_again(self):
+        first = self.map()
+        figures = json.loads(first.stdout)
+        self.assertEqual(self.stages(first.stderr, "begins"), STAGES)
+        for name in ("map.dvm", "field.dvn", "views.bag", "bundle/poses.txt", "map.json"):
+            self.assertTrue(os.path.exists(os.path.join(self.out, name)), name)
+        self.assertGreater(figures["map"]["places"], 0)
+        self.assertEqual(figures["field"]["steps"], 61)
+        self.assertEqual(self.stages(self.map().stderr, "as it was"), STAGES)
+
+        with open(os.path.join(self.out, "views.bag"), "rb") as file:
+            views = file.read()
+        other = self.map("--preset", "paper")
+        self.assertEqual(self.stages(other.stderr, "as it was"), STAGES[:4])
+        self.assertEqual(self.stages(other.stderr, "begins"), STAGES[4:])
+        with open(os.path.join(self.out, "views.bag"), "rb") as file:
+            self.assertNotEqual(file.read(), views)
+
+        self.assertRegex(self.map("--preset", "none.yaml", code=1).stderr, "views: .*none.yaml")
+        self.map("--preset", "paper")
+
+        os.remove(os.path.join(self.out, "map.dvm"))
+        self.assertEqual(self.stages(self.map("--preset", "paper").stderr, "begins"), ["map"])
+
+    def test_goes_on_after_an_interrupt(self):
+        with subprocess.Popen(self.command("--steps", "100000"), stderr=subprocess.PIPE, stdout=subprocess.DEVNULL) as process:
+            record = os.path.join(self.out, "stages.json")
+            for _ in range(600):
+                if os.path.exists(record):
+                    with open(record, encoding="utf-8") as file:
+                        if "field" in json.load(file):
+                            break
+                time.sleep(0.1)
+            time.sleep(2)
+            process.send_signal(signal.SIGINT)
+            self.assertIn(b"goes on from here", process.communicate(timeout=120)[1])
+            self.assertEqual(process.returncode, 130)
+        self.assertTrue(os.path.exists(os.path.join(self.out, "field.dvn")))
+        self.assertEqual(self.stages(self.map().stderr, "as it was"), STAGES[:1])
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
