@@ -58,21 +58,24 @@ class MapTest(unittest.TestCase):
         os.remove(os.path.join(self.out, "map.dvm"))
         self.assertEqual(self.stages(self.map("--preset", "paper").stderr, "begins"), ["map"])
 
+        os.remove(os.path.join(self.out, "field.dvn"))
+        self.assertEqual(self.stages(self.map("--preset", "paper").stderr, "begins"), STAGES[1:])
+
     def test_goes_on_after_an_interrupt(self):
-        with subprocess.Popen(self.command("--steps", "100000"), stderr=subprocess.PIPE, stdout=subprocess.DEVNULL) as process:
-            record = os.path.join(self.out, "stages.json")
-            for _ in range(600):
+        record = os.path.join(self.out, "stages.json")
+        with subprocess.Popen(self.command("--steps", "60"), stderr=subprocess.PIPE, stdout=subprocess.DEVNULL) as process:
+            for _ in range(1200):
                 if os.path.exists(record):
                     with open(record, encoding="utf-8") as file:
                         if "field" in json.load(file):
                             break
-                time.sleep(0.1)
-            time.sleep(2)
+                time.sleep(0.05)
             process.send_signal(signal.SIGINT)
             self.assertIn(b"goes on from here", process.communicate(timeout=120)[1])
             self.assertEqual(process.returncode, 130)
-        self.assertTrue(os.path.exists(os.path.join(self.out, "field.dvn")))
-        self.assertEqual(self.stages(self.map().stderr, "as it was"), STAGES[:1])
+        again = self.map()
+        self.assertEqual(self.stages(again.stderr, "as it was"), STAGES[:1])
+        self.assertTrue(json.loads(again.stdout)["field"]["resumed"])
 
 
 if __name__ == "__main__":

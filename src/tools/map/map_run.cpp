@@ -7,6 +7,7 @@
 #include <functional>
 #include <iostream>
 #include <set>
+#include <utility>
 
 #include "bundle/bundle_command.hpp"
 #include "common/interrupt.hpp"
@@ -52,8 +53,8 @@ class Stages {
       return (*before)["figures"];
     }
     Tell(name, "begins");
-    // A kill on the way must not leave the older stage's record beside the newer product.
     is_begun_ = before != finished_.end() && before->value("made_from", "") == key;
+    Forget(name);
     finished_[name] = {{"made_from", key}};
     Write();
     const Json figures = Make(name, make);
@@ -66,6 +67,18 @@ class Stages {
   bool is_begun() const { return is_begun_; }
 
  private:
+  /// The stage and those after it, which were made of what it gave.
+  void Forget(const std::string& name) {
+    Json before = Json::object();
+    for (const auto& stage : finished_.items()) {
+      if (stage.key() == name) {
+        break;
+      }
+      before[stage.key()] = stage.value();
+    }
+    finished_ = std::move(before);
+  }
+
   static Json Make(const std::string& name, const std::function<Json()>& make) {
     try {
       return make();
@@ -95,7 +108,10 @@ class MapMaker {
   explicit MapMaker(const MapRequest& request)
       : request_(request),
         start_(Clock::now()),
-        stages_(request, Hash64OfFile(request.bag) ^ (Hash64OfFile(request.camera) * 31)) {}
+        stages_(
+            request,
+            Hash64(fmt::format("{} {}", Hash64OfFile(request.bag), Hash64OfFile(request.camera)))) {
+  }
 
   Json Make() {
     Json json;
@@ -207,7 +223,11 @@ class MapMaker {
           RunNerfInfo(train.out).value("trained_share", 1.0) < 1) {
         train.resume = train.out;
       }
-      const Json figures = RunNerfTrain(train);
+      if (train.resume.empty()) {
+        std::filesystem::remove(train.out);  // or a kill now would leave another's to go on with
+      }
+      Json figures = RunNerfTrain(train);
+      figures["resumed"] = !train.resume.empty();
       if (figures["interrupted"].get<bool>()) {
         throw Interrupted();
       }
@@ -229,7 +249,10 @@ class MapMaker {
   }
 
   Json Render() {
-    return stages_.Run("views", request_.preset, path("views.bag"), [&] {
+    const bool is_file = std::filesystem::is_regular_file(request_.preset);
+    const std::string settings =
+        is_file ? fmt::format("{:016x}", Hash64OfFile(request_.preset)) : request_.preset;
+    return stages_.Run("views", settings, path("views.bag"), [&] {
       ViewsRenderRequest views;
       views.input.flight.bag = request_.bag;
       views.input.flight.camera = request_.camera;
