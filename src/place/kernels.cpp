@@ -5,21 +5,11 @@
 #include <algorithm>
 #include <cstring>
 
-#ifdef DEJA_VIEW_HAVE_HIGHWAY
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels.cpp"
-// clang-format off
-#include <hwy/foreach_target.h>
-#include <hwy/highway.h>
-// clang-format on
-HWY_BEFORE_NAMESPACE();
-#else
-#define HWY_NAMESPACE plain
-#define HWY_ONCE 1
-#define HWY_EXPORT(function) static_assert(true)
-#define HWY_DYNAMIC_DISPATCH(function) plain::function
-#endif
+#include "deja_view/base/instruction_sets-inl.hpp"
 
+HWY_BEFORE_NAMESPACE();
 namespace deja_view::internal::HWY_NAMESPACE {
 namespace {
 
@@ -177,9 +167,7 @@ SynonymSums SumPairs(const std::vector<Descriptor>& centroids,
 }  // namespace
 }  // namespace deja_view::internal::HWY_NAMESPACE
 
-#ifdef DEJA_VIEW_HAVE_HIGHWAY
 HWY_AFTER_NAMESPACE();
-#endif
 
 #if HWY_ONCE
 namespace deja_view::internal {

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "packet_kernel.hpp"
-#include "vector_target.hpp"
 
 namespace deja_view::sim {
 namespace {
@@ -116,16 +115,7 @@ void BeamCaster::Cull(const Cone& cone,
 }
 
 void BeamCaster::Trace(const std::vector<std::int32_t>& candidates, RayPacket* packet) const {
-  if (HasAvx2()) {
-    TracePacketFast(local_.data(), candidates, packet);
-  } else {
-    TracePacketPortable(local_.data(), candidates, packet);
-  }
-}
-
-void BeamCaster::TracePortable(const std::vector<std::int32_t>& candidates,
-                               RayPacket* packet) const {
-  TracePacketPortable(local_.data(), candidates, packet);
+  TracePacket(local_.data(), candidates, packet);
 }
 
 void BeamCaster::Complete(RayPacket* packet) const {

@@ -1,17 +1,22 @@
+// Loops over the lanes of a packet, plain and without branches, which the compiler turns into
+// vectors of each instruction set. Operations are not fused or reordered: all give the same bits.
 #include "packet_kernel.hpp"
 
 #include <cmath>
 #include <limits>
 
-#include "vector_target.hpp"
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "packet_kernel.cpp"
+#include "deja_view/base/instruction_sets-inl.hpp"
 
-namespace deja_view::sim {
+HWY_BEFORE_NAMESPACE();
+namespace deja_view::sim::HWY_NAMESPACE {
 namespace {
 
 // Neighbouring faces of a box share an edge only up to rounding; this closes the crack [m].
 constexpr float kSeam = 1e-4F;
 
-DEJA_VIEW_SIM_INLINE void Keep(
+inline void Keep(
     bool hit, float range, float u, float v, std::int32_t index, int lane, RayPacket* p) {
   p->range[lane] = hit ? range : p->range[lane];
   p->surface[lane] = hit ? index : p->surface[lane];
@@ -20,7 +25,7 @@ DEJA_VIEW_SIM_INLINE void Keep(
 }
 
 template <bool is_disc>
-DEJA_VIEW_SIM_INLINE void TracePlane(const LocalSurface& s, std::int32_t index, RayPacket* p) {
+inline void TracePlane(const LocalSurface& s, std::int32_t index, RayPacket* p) {
   const float nx = s.axis_w.x(), ny = s.axis_w.y(), nz = s.axis_w.z();
   const float ux = s.axis_u.x(), uy = s.axis_u.y(), uz = s.axis_u.z();
   const float vx = s.axis_v.x(), vy = s.axis_v.y(), vz = s.axis_v.z();
@@ -45,7 +50,7 @@ DEJA_VIEW_SIM_INLINE void TracePlane(const LocalSurface& s, std::int32_t index, 
 
 /// Nearer root as in HitMantle, in the form that keeps its digits for a thin cylinder far away: the
 /// foot of the perpendicular is computed first (Haines et al., Ray Tracing Gems, 2019, ch. 7).
-DEJA_VIEW_SIM_INLINE void TraceMantle(const LocalSurface& s, std::int32_t index, RayPacket* p) {
+inline void TraceMantle(const LocalSurface& s, std::int32_t index, RayPacket* p) {
   const float ax = s.axis_v.x(), ay = s.axis_v.y(), az = s.axis_v.z();
   const float wx = s.across.x(), wy = s.across.y(), wz = s.across.z();
   const float offset_v = s.offset_v, size_v = s.size_v;
@@ -65,9 +70,9 @@ DEJA_VIEW_SIM_INLINE void TraceMantle(const LocalSurface& s, std::int32_t index,
   }
 }
 
-DEJA_VIEW_SIM_INLINE void TraceAll(const LocalSurface* surfaces,
-                                   const std::vector<std::int32_t>& candidates,
-                                   RayPacket* packet) {
+inline void TraceAll(const LocalSurface* surfaces,
+                     const std::vector<std::int32_t>& candidates,
+                     RayPacket* packet) {
   packet->range.fill(std::numeric_limits<float>::infinity());
   packet->surface.fill(-1);
   for (const std::int32_t index : candidates) {
@@ -87,17 +92,19 @@ DEJA_VIEW_SIM_INLINE void TraceAll(const LocalSurface* surfaces,
 }
 
 }  // namespace
+}  // namespace deja_view::sim::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
 
-DEJA_VIEW_SIM_TARGET_AVX2 void TracePacketFast(const LocalSurface* surfaces,
-                                               const std::vector<std::int32_t>& candidates,
-                                               RayPacket* packet) {
-  TraceAll(surfaces, candidates, packet);
-}
+#if HWY_ONCE
+namespace deja_view::sim {
 
-void TracePacketPortable(const LocalSurface* surfaces,
-                         const std::vector<std::int32_t>& candidates,
-                         RayPacket* packet) {
-  TraceAll(surfaces, candidates, packet);
+HWY_EXPORT(TraceAll);
+
+void TracePacket(const LocalSurface* surfaces,
+                 const std::vector<std::int32_t>& candidates,
+                 RayPacket* packet) {
+  HWY_DYNAMIC_DISPATCH(TraceAll)(surfaces, candidates, packet);
 }
 
 }  // namespace deja_view::sim
+#endif

@@ -183,7 +183,7 @@ Json RunBundle(const BundleRequest& request) {
   json["warnings"] = input.warnings;
   json["read_cpu_s"] = read_cpu_s;
   json["cpu_s"] = CpuSeconds();
-  json["peak_rss_mb"] = PeakRss_mb();
+  json["peak_rss_mb"] = PeakRssMb();
   WritePoses(request.out / "poses.txt", input.problem);
   WriteColmapModel(ToColmap(input), request.out / "colmap");
   WriteFileAtomically(request.out / "bundle.json",

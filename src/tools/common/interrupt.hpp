@@ -1,8 +1,7 @@
 #pragma once
 
+#include <csignal>
 #include <stdexcept>
-
-#include <signal.h>
 
 namespace deja_view {
 

@@ -16,7 +16,7 @@ double SecondsSince(Clock::time_point start);
 double CpuSeconds();
 
 /// Largest resident set of this process so far [MiB].
-double PeakRss_mb();
+double PeakRssMb();
 
 /// 0 for none.
 double Median(std::vector<double> values);

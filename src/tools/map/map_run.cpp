@@ -57,7 +57,7 @@ class Stages {
     Forget(name);
     finished_[name] = {{"made_from", key}};
     Write();
-    const Json figures = Make(name, make);
+    Json figures = Make(name, make);
     finished_[name]["figures"] = figures;
     Write();
     return figures;
@@ -126,7 +126,7 @@ class MapMaker {
     json["map"] = Save();
     json["cpu_s"] = CpuSeconds();
     json["wall_s"] = SecondsSince(start_);
-    json["peak_rss_mb"] = PeakRss_mb();
+    json["peak_rss_mb"] = PeakRssMb();
     WriteFileAtomically(request_.out / "map.json",
                         [&](std::ostream& out) { out << json.dump(2) << "\n"; });
     return json;

@@ -71,7 +71,7 @@ Json RunNerfEval(const NerfEvalRequest& request) {
       evaluation.depth_views() > 0 ? Json(Median(evaluation.depth_errors())) : Json(nullptr);
   json["depth_views"] = evaluation.depth_views();
   json["render_ms_median"] = Median(evaluation.render_ms());
-  json["peak_rss_mb"] = PeakRss_mb();
+  json["peak_rss_mb"] = PeakRssMb();
   return json;
 }
 

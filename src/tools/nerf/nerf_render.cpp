@@ -96,7 +96,7 @@ Json RunNerfRender(const NerfRenderRequest& request) {
   Json json;
   json["views"] = times_ms.size();
   json["render_ms_median"] = Median(times_ms);
-  json["peak_rss_mb"] = PeakRss_mb();
+  json["peak_rss_mb"] = PeakRssMb();
   return json;
 }
 

@@ -252,7 +252,7 @@ Json RunNerfTrain(const NerfTrainRequest& request) {
   json["rays_per_s"] = static_cast<double>(sums.rays) / train_s;
   json["samples_per_s"] = static_cast<double>(sums.samples) / train_s;
   json["interrupted"] = interrupted;
-  json["peak_rss_mb"] = PeakRss_mb();
+  json["peak_rss_mb"] = PeakRssMb();
   return json;
 }
 

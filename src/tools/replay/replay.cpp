@@ -132,7 +132,7 @@ ReplayResult RunReplay(const ReplayRequest& request) {
   }
   result.core_memory_mb = static_cast<double>(closer.memory_bytes()) / (1024.0 * 1024.0);
   result.cpu_s = CpuSeconds() - cpu_s_before;
-  result.peak_rss_mb = PeakRss_mb();
+  result.peak_rss_mb = PeakRssMb();
   result.wall_s = SecondsSince(start);
   if (!request.out.empty()) {
     WriteResultFiles(

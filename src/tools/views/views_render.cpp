@@ -143,7 +143,7 @@ Json RunViewsRender(const ViewsRenderRequest& request) {
   json["source_ms_median"] = 1e3 * Median(report.source_s);
   json["wall_s"] = SecondsSince(start);
   json["cpu_s"] = CpuSeconds();
-  json["peak_rss_mb"] = PeakRss_mb();
+  json["peak_rss_mb"] = PeakRssMb();
   return json;
 }
 

@@ -3,10 +3,8 @@
 #include <random>
 
 #include "hamming_kernel.hpp"
+#include "instruction_sets.hpp"
 #include <gtest/gtest.h>
-#ifdef DEJA_VIEW_HAVE_HIGHWAY
-#include <hwy/targets.h>
-#endif
 
 namespace deja_view {
 namespace {
@@ -39,22 +37,9 @@ void ExpectAgreement() {
   }
 }
 
-TEST(HammingMatcher, AgreesWithThePlainLoop) {
-  ExpectAgreement();
+TEST(HammingMatcher, AgreesWithThePlainLoopOnEveryInstructionSet) {
+  test::OnEveryInstructionSet(ExpectAgreement);
 }
-
-#ifdef DEJA_VIEW_HAVE_HIGHWAY
-TEST(HammingMatcher, AgreesOnEveryInstructionSet) {
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    SCOPED_TRACE(hwy::TargetName(target));
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    ExpectAgreement();
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-}
-#endif
 
 TEST(HammingMatcher, FindsTheTwoNearest) {
   std::vector<Descriptor> train(40);

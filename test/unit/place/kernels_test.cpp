@@ -3,30 +3,14 @@
 #include <cmath>
 #include <random>
 
+#include "instruction_sets.hpp"
 #include "random_vocabulary.hpp"
 #include <gtest/gtest.h>
-#ifdef DEJA_VIEW_HAVE_HIGHWAY
-#include <hwy/targets.h>
-#endif
 
 namespace deja_view::internal {
 namespace {
 
-/// Calls f with each instruction set that this processor has.
-template <typename F>
-void OnEveryInstructionSet(F f) {
-#ifdef DEJA_VIEW_HAVE_HIGHWAY
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    SCOPED_TRACE(hwy::TargetName(target));
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    f();
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-#endif
-  f();
-}
+using test::OnEveryInstructionSet;
 
 TEST(PlaceKernels, AddBitmaps) {
   std::mt19937_64 rng(1);

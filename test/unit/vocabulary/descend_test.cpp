@@ -4,11 +4,9 @@
 #include <random>
 #include <vector>
 
+#include "instruction_sets.hpp"
 #include "random_vocabulary.hpp"
 #include <gtest/gtest.h>
-#ifdef DEJA_VIEW_HAVE_HIGHWAY
-#include <hwy/targets.h>
-#endif
 
 namespace deja_view::internal {
 namespace {
@@ -70,24 +68,12 @@ void ExpectTheFirstOfEqual(int k) {
 
 class Descend : public ::testing::TestWithParam<int> {};
 
-TEST_P(Descend, AgreesWithThePlainLoop) {
-  ExpectAgreement(GetParam());
-  ExpectTheFirstOfEqual(GetParam());
-}
-
-#ifdef DEJA_VIEW_HAVE_HIGHWAY
-TEST_P(Descend, AgreesOnEveryInstructionSet) {
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    SCOPED_TRACE(hwy::TargetName(target));
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+TEST_P(Descend, AgreesWithThePlainLoopOnEveryInstructionSet) {
+  test::OnEveryInstructionSet([] {
     ExpectAgreement(GetParam());
     ExpectTheFirstOfEqual(GetParam());
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  });
 }
-#endif
 
 INSTANTIATE_TEST_SUITE_P(Branching,
                          Descend,

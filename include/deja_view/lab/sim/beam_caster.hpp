@@ -41,9 +41,6 @@ class BeamCaster {
   /// Nearest hits among `candidates`; overwrites range, surface, u and v of the packet.
   void Trace(const std::vector<std::int32_t>& candidates, RayPacket* packet) const;
 
-  /// Trace without vector instructions beyond the baseline; gives the same bits.
-  void TracePortable(const std::vector<std::int32_t>& candidates, RayPacket* packet) const;
-
   /// Fills in what only shading needs: `cosine` of all hits, and `u` of cylinders.
   void Complete(RayPacket* packet) const;
 

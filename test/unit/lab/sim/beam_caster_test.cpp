@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "instruction_sets.hpp"
 #include "scene_builders.hpp"
 #include <gtest/gtest.h>
 
@@ -69,18 +70,21 @@ TEST(BeamCaster, InstructionSetsAgreeToTheBit) {
   const BeamCaster caster(scene, kPose);
   Rng rng(6, 0);
   for (int i = 0; i < 100; ++i) {
-    RayPacket fast = PacketAround(RandomDirection(&rng), 0.2F, &rng);
-    RayPacket portable = fast;
-    caster.Trace(caster.visible(), &fast);
-    caster.TracePortable(caster.visible(), &portable);
-    EXPECT_EQ(fast.surface, portable.surface);
-    EXPECT_EQ(fast.range, portable.range);
-    for (int lane = 0; lane < RayPacket::kSize; ++lane) {
-      if (fast.surface[lane] >= 0) {
-        EXPECT_EQ(fast.u[lane], portable.u[lane]);
-        EXPECT_EQ(fast.v[lane], portable.v[lane]);
+    const RayPacket rays = PacketAround(RandomDirection(&rng), 0.2F, &rng);
+    RayPacket expected = rays;
+    caster.Trace(caster.visible(), &expected);
+    test::OnEveryInstructionSet([&] {
+      RayPacket packet = rays;
+      caster.Trace(caster.visible(), &packet);
+      EXPECT_EQ(packet.surface, expected.surface);
+      EXPECT_EQ(packet.range, expected.range);
+      for (int lane = 0; lane < RayPacket::kSize; ++lane) {
+        if (packet.surface[lane] >= 0) {
+          EXPECT_EQ(packet.u[lane], expected.u[lane]);
+          EXPECT_EQ(packet.v[lane], expected.v[lane]);
+        }
       }
-    }
+    });
   }
 }
 

@@ -1,5 +1,6 @@
 #include "deja_view/lab/sim/shader.hpp"
 
+#include "instruction_sets.hpp"
 #include "scene_builders.hpp"
 #include "small_world.hpp"
 #include <gtest/gtest.h>
@@ -49,7 +50,8 @@ TEST_F(ShaderTest, InstructionSetsAgreeToTheBit) {
   const Shader shader(scene_, 0.003F);
   for (int i = 0; i < 200; ++i) {
     const RayPacket packet = RandomPacket(&rng);
-    EXPECT_EQ(shader.Shade(packet), shader.ShadePortable(packet));
+    const Shader::Lanes expected = shader.Shade(packet);
+    test::OnEveryInstructionSet([&] { EXPECT_EQ(shader.Shade(packet), expected); });
   }
 }
 
