@@ -32,11 +32,14 @@ share_of_work() {
   fi
 }
 
-# configure DIRECTORY [CMake arguments...]: quiet unless it fails; keeps what was chosen before.
+# configure DIRECTORY [CMake arguments...]: quiet unless it fails; keeps what was chosen before. A new folder compiles
+# files eight at a time, which halves the time of a whole build; for work on the sources, -DCMAKE_UNITY_BUILD=OFF.
 configure() {
   local directory=$1
   shift
-  local -a arguments=(-S "$root" -B "$directory" "$@")
+  local -a arguments=(-S "$root" -B "$directory")
+  [ -f "$directory/CMakeCache.txt" ] || arguments+=(-DCMAKE_UNITY_BUILD=ON)
+  arguments+=("$@")
   if command -v ccache > /dev/null; then
     arguments+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
   fi
