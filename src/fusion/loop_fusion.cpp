@@ -35,7 +35,24 @@ LoopFusion::LoopFusion(const LoopFusionOptions& options,
   }
 }
 
+LoopFusion::LoopFusion(const LoopFusionOptions& options,
+                       LoopCloser closer,
+                       LoopFusionCallbacks callbacks,
+                       std::shared_ptr<const Camera> camera,
+                       const Rigid3& T_B_C)
+    : LoopFusion(options, std::move(closer), std::move(callbacks)) {
+  front_end_ = std::make_unique<FrontEndThread>(
+      FrontEndSetup{options.front_end, std::move(camera), T_B_C},
+      [this](OdometryFrontEnd::Keyframe keyframe) {
+        const std::lock_guard<std::mutex> lock(assembler_mutex_);
+        assembler_.AddPose(keyframe.stamp_ns, keyframe.T_W_B);
+        assembler_.AddPoints(keyframe.stamp_ns, std::move(keyframe.points));
+      },
+      [this](const std::string& what) { Tell(what); });
+}
+
 LoopFusion::~LoopFusion() {
+  front_end_.reset();
   Stop(std::chrono::seconds(0));
 }
 
@@ -46,11 +63,17 @@ void LoopFusion::Start() {
     is_stopping_ = false;
   }
   worker_ = std::thread([this] { Work(); });
+  if (front_end_) {
+    front_end_->Start();
+  }
 }
 
 int LoopFusion::Stop(std::chrono::duration<double> drain) {
   if (!worker_.joinable()) {
     return 0;
+  }
+  if (front_end_) {
+    front_end_->Drain();
   }
   {
     const std::lock_guard<std::mutex> lock(assembler_mutex_);
@@ -72,8 +95,19 @@ int LoopFusion::Stop(std::chrono::duration<double> drain) {
 }
 
 void LoopFusion::AddImage(std::int64_t stamp_ns, ImageSource image, std::size_t bytes) {
-  const std::lock_guard<std::mutex> lock(assembler_mutex_);
-  assembler_.AddImage(stamp_ns, std::move(image), bytes);
+  {
+    const std::lock_guard<std::mutex> lock(assembler_mutex_);
+    assembler_.AddImage(stamp_ns, image, bytes);
+  }
+  if (front_end_) {
+    front_end_->AddImage(stamp_ns, std::move(image), bytes);
+  }
+}
+
+void LoopFusion::AddOdometry(std::int64_t stamp_ns, const Rigid3& T_W_B) {
+  if (front_end_) {
+    front_end_->AddPose(stamp_ns, T_W_B);
+  }
 }
 
 void LoopFusion::AddPose(std::int64_t stamp_ns, const Rigid3& T_W_B) {
@@ -114,6 +148,9 @@ LoopFusionStatistics LoopFusion::statistics() const {
   {
     const std::lock_guard<std::mutex> lock(assembler_mutex_);
     statistics.assembler = assembler_.counts();
+  }
+  if (front_end_) {
+    statistics.front_end = front_end_->counts();
   }
   const std::lock_guard<std::mutex> lock(queue_mutex_);
   statistics.queue_length = static_cast<int>(queue_.size());

@@ -23,6 +23,7 @@ std::vector<std::string> LoopFusionOptions::Validate() const {
   std::vector<std::string> violations = loop_closer.Validate();
   Requirements parts;
   parts.Group("assembler", assembler.Validate());
+  parts.Group("front_end", front_end.Validate());
   parts.Group("node", node.Validate());
   violations.insert(violations.end(), parts.errors().begin(), parts.errors().end());
   return violations;

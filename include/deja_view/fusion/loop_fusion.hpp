@@ -1,6 +1,7 @@
 #pragma once
 
 #include "deja_view/base/error_policy.hpp"
+#include "deja_view/fusion/front_end_thread.hpp"
 #include "deja_view/fusion/loop_fusion_options.hpp"
 #include "deja_view/host/keyframe_assembler.hpp"
 #include "deja_view/host/odometry_input.hpp"
@@ -13,6 +14,7 @@
 #include <functional>
 #include <future>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -34,6 +36,7 @@ struct LoopFusionCallbacks {
 /// What happened so far.
 struct LoopFusionStatistics {
   AssemblerCounts assembler;
+  FrontEndCounts front_end;          ///< where keyframes are made here
   std::int64_t keyframes = 0;        ///< processed
   std::int64_t refused = 0;          ///< keyframes that could not be used
   std::int64_t queue_overflows = 0;  ///< keyframes dropped because the queue was full
@@ -61,6 +64,13 @@ class LoopFusion {
  public:
   /// Does not start the thread. Throws InputError for options that are not valid.
   LoopFusion(const LoopFusionOptions& options, LoopCloser closer, LoopFusionCallbacks callbacks);
+  /// For a host that gives poses alone (AddOdometry): keyframes are made of them and the images, on
+  /// one thread more. `camera` and `T_B_C` are the loop closer's.
+  LoopFusion(const LoopFusionOptions& options,
+             LoopCloser closer,
+             LoopFusionCallbacks callbacks,
+             std::shared_ptr<const Camera> camera,
+             const Rigid3& T_B_C);
   /// Stops without draining.
   ~LoopFusion();
 
@@ -75,6 +85,8 @@ class LoopFusion {
   void AddPose(std::int64_t stamp_ns, const Rigid3& T_W_B);
   void AddPoints(std::int64_t stamp_ns, std::vector<TrackedPoint> points);
   void AddExtrinsic(std::int64_t stamp_ns, const Rigid3& T_B_C);
+  /// Body pose at any stamp; passed over where the host has keyframes of its own.
+  void AddOdometry(std::int64_t stamp_ns, const Rigid3& T_W_B);
   void AddRelativePose(const RelativePoseUpdate& update);
   void AddVirtualView(VirtualViewSource view);
 
@@ -120,6 +132,7 @@ class LoopFusion {
 
   mutable std::mutex assembler_mutex_;
   KeyframeAssembler assembler_;
+  std::unique_ptr<FrontEndThread> front_end_;
 
   mutable std::mutex queue_mutex_;
   std::condition_variable queue_changed_;

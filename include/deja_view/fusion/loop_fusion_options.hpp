@@ -1,5 +1,6 @@
 #pragma once
 
+#include "deja_view/front_end/odometry_front_end.hpp"
 #include "deja_view/host/keyframe_assembler.hpp"
 #include "deja_view/pipeline/loop_closer_options.hpp"
 
@@ -34,10 +35,11 @@ struct NodeOptions {
 };
 
 /// The whole config file, of the node and of a replay alike: the loop closer's keys at the top
-/// level, and the groups `assembler` and `node`.
+/// level, and the groups `assembler`, `front_end` (of hosts that give poses alone) and `node`.
 struct LoopFusionOptions {
   LoopCloserOptions loop_closer;
   KeyframeAssemblerOptions assembler;
+  OdometryFrontEndOptions front_end;
   NodeOptions node;
 
   std::vector<std::string> Validate() const;
@@ -46,6 +48,7 @@ struct LoopFusionOptions {
   void Visit(Visitor& v) {
     loop_closer.Visit(v);
     v("assembler", assembler);
+    v("front_end", front_end);
     v("node", node);
   }
 };

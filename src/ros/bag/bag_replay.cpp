@@ -3,6 +3,7 @@
 #include "deja_view/base/check.hpp"
 #include "deja_view/ros/bag/bag_reader.hpp"
 #include "deja_view/ros/bag/view_bag.hpp"
+#include "deja_view/ros/messages/any_pose.hpp"
 #include "deja_view/ros/messages/virtual_frame_conversion.hpp"
 
 #include <map>
@@ -17,13 +18,24 @@ class Replay {
  public:
   Replay(const VioTopics& topics,
          const KeyframeAssemblerOptions& options,
-         const ReplayCallbacks& callbacks)
+         const ReplayCallbacks& callbacks,
+         const std::optional<FrontEndSetup>& front_end)
       : topics_(topics),
         callbacks_(callbacks),
         assembler_(
             options,
             [this](AssembledKeyframe keyframe) { HandOver(keyframe); },
-            [this](DropReason reason, std::int64_t stamp_ns) { TellDrop(reason, stamp_ns); }) {}
+            [this](DropReason reason, std::int64_t stamp_ns) { TellDrop(reason, stamp_ns); }) {
+    if (front_end) {
+      front_end_.emplace(
+          *front_end,
+          [this](OdometryFrontEnd::Keyframe keyframe) {
+            assembler_.AddPose(keyframe.stamp_ns, keyframe.T_W_B);
+            assembler_.AddPoints(keyframe.stamp_ns, std::move(keyframe.points));
+          },
+          [this](const std::string& what) { Tell(what); });
+    }
+  }
 
   /// `beside`, if any, has the virtual views.
   ReplayReport Run(const BagReader& bag, const BagReader* beside) {
@@ -45,6 +57,10 @@ class Replay {
         callbacks_.on_progress(report_.messages, total);
       }
     });
+    if (front_end_) {
+      front_end_->Flush();
+      report_.front_end = front_end_->counts();
+    }
     assembler_.Flush();
     report_.assembler = assembler_.counts();
     return report_;
@@ -52,6 +68,41 @@ class Replay {
 
   void AddHandlers(const BagReader& bag, const BagReader& views) {
     AddImageHandler(bag);
+    if (front_end_) {
+      AddPoseHandler(bag);
+    } else {
+      AddHostHandlers(bag);
+    }
+    if (callbacks_.on_virtual_view && views.HasTopic(topics_.virtual_frame)) {
+      Require(views, topics_.virtual_frame, "deja_view/VirtualFrame", [this](const auto& instance) {
+        const auto message = Instantiate<VirtualFrame>(instance);
+        callbacks_.on_virtual_view(
+            FromVirtualFrame(*message, instance.getTopic(), callbacks_.sufficient_features));
+      });
+    }
+  }
+
+ private:
+  using Handler = std::function<void(const rosbag::MessageInstance&)>;
+
+  static StampedPose ReadOdometry(const rosbag::MessageInstance& instance) {
+    return FromOdometry(*Instantiate<nav_msgs::Odometry>(instance), instance.getTopic());
+  }
+
+  void AddPoseHandler(const BagReader& bag) {
+    bag.RequireTopic(topics_.odometry, PoseMessageTypes());
+    handlers_[topics_.odometry] = [this](const rosbag::MessageInstance& instance) {
+      const auto pose = FromAnyPose(instance, topics_.odometry);
+      if (pose) {
+        front_end_->AddPose(pose->stamp_ns, pose->pose);
+      }
+      if (pose && callbacks_.on_odometry) {
+        callbacks_.on_odometry(*pose);
+      }
+    };
+  }
+
+  void AddHostHandlers(const BagReader& bag) {
     Require(bag, topics_.keyframe_pose, "nav_msgs/Odometry", [this](const auto& instance) {
       const StampedPose pose = ReadOdometry(instance);
       assembler_.AddPose(pose.stamp_ns, pose.pose);
@@ -78,20 +129,6 @@ class Replay {
         callbacks_.on_relative_pose(FromRelativePose(*message, instance.getTopic()));
       });
     }
-    if (callbacks_.on_virtual_view && views.HasTopic(topics_.virtual_frame)) {
-      Require(views, topics_.virtual_frame, "deja_view/VirtualFrame", [this](const auto& instance) {
-        const auto message = Instantiate<VirtualFrame>(instance);
-        callbacks_.on_virtual_view(
-            FromVirtualFrame(*message, instance.getTopic(), callbacks_.sufficient_features));
-      });
-    }
-  }
-
- private:
-  using Handler = std::function<void(const rosbag::MessageInstance&)>;
-
-  static StampedPose ReadOdometry(const rosbag::MessageInstance& instance) {
-    return FromOdometry(*Instantiate<nav_msgs::Odometry>(instance), instance.getTopic());
   }
 
   void AddImageHandler(const BagReader& bag) {
@@ -99,17 +136,22 @@ class Replay {
     if (bag.TypeOf(topics_.image) == "sensor_msgs/Image") {
       handlers_[topics_.image] = [this](const rosbag::MessageInstance& instance) {
         const auto message = Instantiate<sensor_msgs::Image>(instance);
-        assembler_.AddImage(ToNanoseconds(message->header.stamp),
-                            FromImage(message, instance.getTopic()),
-                            message->data.size());
+        AddImage(*message, FromImage(message, instance.getTopic()));
       };
     } else {
       handlers_[topics_.image] = [this](const rosbag::MessageInstance& instance) {
         const auto message = Instantiate<sensor_msgs::CompressedImage>(instance);
-        assembler_.AddImage(ToNanoseconds(message->header.stamp),
-                            FromCompressedImage(message, instance.getTopic()),
-                            message->data.size());
+        AddImage(*message, FromCompressedImage(message, instance.getTopic()));
       };
+    }
+  }
+
+  template <typename Message>
+  void AddImage(const Message& message, const ImageSource& image) {
+    const std::int64_t stamp_ns = ToNanoseconds(message.header.stamp);
+    assembler_.AddImage(stamp_ns, image, message.data.size());
+    if (front_end_) {
+      front_end_->AddImage(stamp_ns, image, message.data.size());
     }
   }
 
@@ -171,6 +213,7 @@ class Replay {
   std::optional<Rigid3> T_B_C_;
   std::map<std::string, Handler> handlers_;
   KeyframeAssembler assembler_;
+  std::optional<OdometryFrontEnd> front_end_;
 };
 
 }  // namespace
@@ -192,7 +235,8 @@ ReplayReport ReplayBag(const std::filesystem::path& bag,
                        const std::filesystem::path& virtual_bag,
                        const VioTopics& topics,
                        const KeyframeAssemblerOptions& options,
-                       const ReplayCallbacks& callbacks) {
+                       const ReplayCallbacks& callbacks,
+                       const std::optional<FrontEndSetup>& front_end) {
   DEJA_VIEW_CHECK(callbacks.on_keyframe);
   const BagReader reader(bag);
   std::optional<BagReader> views;
@@ -203,7 +247,7 @@ ReplayReport ReplayBag(const std::filesystem::path& bag,
       views.reset();
     }
   }
-  Replay replay(topics, options, callbacks);
+  Replay replay(topics, options, callbacks, front_end);
   replay.AddHandlers(reader, views ? *views : reader);
   return replay.Run(reader, views ? &*views : nullptr);
 }

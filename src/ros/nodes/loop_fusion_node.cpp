@@ -3,6 +3,7 @@
 #include "deja_view/base/check.hpp"
 #include "deja_view/fusion/result_files.hpp"
 #include "deja_view/io/options_yaml.hpp"
+#include "deja_view/ros/messages/any_pose.hpp"
 #include "deja_view/ros/nodes/answer_service.hpp"
 
 #include <algorithm>
@@ -31,6 +32,21 @@ std::vector<KeyframeInfo> AllKeyframes(const LoopCloser& closer) {
   return keyframes;
 }
 
+/// With the velocities, where the message has them.
+nav_msgs::Odometry ToOdometry(const topic_tools::ShapeShifter& message,
+                              const StampedPose& T_W_B,
+                              const FrameNames& frames) {
+  if (const auto odometry = internal::InstantiateIf<nav_msgs::Odometry>(message)) {
+    return *odometry;
+  }
+  nav_msgs::Odometry odometry;
+  odometry.header.stamp = ToRosTime(T_W_B.stamp_ns);
+  odometry.header.frame_id = frames.vio;
+  odometry.child_frame_id = frames.body;
+  odometry.pose.pose = ToPose(T_W_B.pose);
+  return odometry;
+}
+
 }  // namespace
 
 LoopFusionNode::LoopFusionNode()
@@ -48,6 +64,13 @@ LoopFusionNode::LoopFusionNode()
                                                parameters_.frames,
                                                vins_,
                                                options_.node);
+  fusion_ = MakeLoopFusion();
+  LoadAtStart();
+}
+
+LoopFusionNode::~LoopFusionNode() = default;
+
+std::unique_ptr<LoopFusion> LoopFusionNode::MakeLoopFusion() {
   LoopFusionCallbacks callbacks;
   callbacks.on_keyframe =
       [this](const KeyframeInput& input, const KeyframeReport& report, const LoopCloser& closer) {
@@ -58,11 +81,12 @@ LoopFusionNode::LoopFusionNode()
         publisher_->PublishKeyframe(input, report, closer);
       };
   callbacks.on_problem = [this](const std::string& what) { OnProblem(what); };
-  fusion_ = std::make_unique<LoopFusion>(options_, MakeLoopCloser(), std::move(callbacks));
-  LoadAtStart();
+  if (parameters_.host == HostKind::kOdometry) {
+    return std::make_unique<LoopFusion>(
+        options_, MakeLoopCloser(), std::move(callbacks), vins_.camera, vins_.T_B_C);
+  }
+  return std::make_unique<LoopFusion>(options_, MakeLoopCloser(), std::move(callbacks));
 }
-
-LoopFusionNode::~LoopFusionNode() = default;
 
 LoopCloser LoopFusionNode::MakeLoopCloser() const {
   const auto vocabulary = Vocabulary::Open(parameters_.vocabulary_file);
@@ -133,6 +157,9 @@ void LoopFusionNode::SubscribeTo(
     const std::string& topic,
     std::uint32_t queue,
     void (LoopFusionNode::*handle)(const boost::shared_ptr<const Message>&)) {
+  if (topic.empty()) {
+    return;  // the host has none
+  }
   const boost::function<void(const boost::shared_ptr<const Message>&)> guarded =
       [this, handle, name = handle_.resolveName(topic)](
           const boost::shared_ptr<const Message>& message) {
@@ -145,7 +172,11 @@ void LoopFusionNode::SubscribeTo(
 
 void LoopFusionNode::Subscribe() {
   const VioTopics& topics = parameters_.topics;
-  SubscribeTo(topics.odometry, kMessageQueue, &LoopFusionNode::OnOdometry);
+  if (parameters_.host == HostKind::kOdometry) {
+    SubscribeTo(topics.odometry, kMessageQueue, &LoopFusionNode::OnAnyPose);
+  } else {
+    SubscribeTo(topics.odometry, kMessageQueue, &LoopFusionNode::OnOdometry);
+  }
   SubscribeTo(topics.imu_propagate, kMessageQueue, &LoopFusionNode::OnImuPropagate);
   if (!vins_.loop_closure) {
     ROS_WARN("%s: loop_closure is 0: odometry is passed on as it is",
@@ -156,9 +187,7 @@ void LoopFusionNode::Subscribe() {
   SubscribeTo(topics.keyframe_pose, kMessageQueue, &LoopFusionNode::OnKeyframePose);
   SubscribeTo(topics.keyframe_point, kMessageQueue, &LoopFusionNode::OnKeyframePoints);
   SubscribeTo(topics.relo_relative_pose, kMessageQueue, &LoopFusionNode::OnRelativePose);
-  if (!topics.virtual_frame.empty()) {
-    SubscribeTo(topics.virtual_frame, kMessageQueue, &LoopFusionNode::OnVirtualFrame);
-  }
+  SubscribeTo(topics.virtual_frame, kMessageQueue, &LoopFusionNode::OnVirtualFrame);
   if (parameters_.compressed_images) {
     SubscribeTo(topics.image, kImageQueue, &LoopFusionNode::OnCompressedImage);
   } else {
@@ -191,6 +220,18 @@ void LoopFusionNode::OnKeyframePoints(const sensor_msgs::PointCloudConstPtr& mes
 void LoopFusionNode::OnExtrinsic(const nav_msgs::OdometryConstPtr& message) {
   const StampedPose pose = FromOdometry(*message, parameters_.topics.extrinsic);
   fusion_->AddExtrinsic(pose.stamp_ns, pose.pose);
+}
+
+void LoopFusionNode::OnAnyPose(const topic_tools::ShapeShifter::ConstPtr& message) {
+  const std::string& topic = parameters_.topics.odometry;
+  const auto pose = FromAnyPose(*message, topic);
+  if (!pose) {
+    ROS_INFO_ONCE("%s: the odometry is not initialised yet", topic.c_str());
+    return;
+  }
+  fusion_->AddOdometry(pose->stamp_ns, pose->pose);
+  publisher_->PublishOdometry(
+      ToOdometry(*message, *pose, parameters_.frames), *pose, fusion_->drift());
 }
 
 void LoopFusionNode::OnOdometry(const nav_msgs::OdometryConstPtr& message) {
@@ -285,6 +326,8 @@ std::vector<NeededTopic> LoopFusionNode::NeededTopics() const {
                           ? ros::message_traits::datatype<sensor_msgs::CompressedImage>()
                           : ros::message_traits::datatype<sensor_msgs::Image>(),
                       true});
+  }
+  if (vins_.loop_closure && parameters_.host != HostKind::kOdometry) {
     needed.push_back({handle_.resolveName(topics.keyframe_pose), odometry, false});
     needed.push_back({handle_.resolveName(topics.keyframe_point),
                       ros::message_traits::datatype<sensor_msgs::PointCloud>(),

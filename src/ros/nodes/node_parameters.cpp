@@ -3,6 +3,21 @@
 #include "parameters.hpp"
 
 namespace deja_view {
+namespace {
+
+HostKind ReadHost(const ros::NodeHandle& handle) {
+  const std::string name = internal::ReadText(handle, "host", "vins_mono");
+  const auto host = EnumFromString<HostKind>(name);
+  if (!host) {
+    ThrowInputError("parameter {}: '{}': expected {}",
+                    handle.resolveName("host"),
+                    name,
+                    EnumNameList<HostKind>());
+  }
+  return *host;
+}
+
+}  // namespace
 
 NodeParameters ReadNodeParameters(const ros::NodeHandle& handle) {
   using internal::ReadRequired;
@@ -18,9 +33,12 @@ NodeParameters ReadNodeParameters(const ros::NodeHandle& handle) {
   p.compressed_images =
       internal::ReadParameter<bool>(handle, "compressed_images", false, "true or false");
   p.vins_namespace = ReadText(handle, "vins_namespace", "/pose_graph");
+  p.host = ReadHost(handle);
+  p.topics = TopicsOf(p.host);
   p.topics.image = ReadText(handle, "topics/image");
   const auto read_topic = [&handle](const char* name, std::string* topic) {
-    *topic = ReadText(handle, std::string("topics/") + name, *topic);
+    const std::string given = ReadText(handle, std::string("topics/") + name);
+    *topic = given.empty() ? *topic : given;
   };
   read_topic("keyframe_pose", &p.topics.keyframe_pose);
   read_topic("keyframe_point", &p.topics.keyframe_point);
@@ -28,7 +46,7 @@ NodeParameters ReadNodeParameters(const ros::NodeHandle& handle) {
   read_topic("odometry", &p.topics.odometry);
   read_topic("imu_propagate", &p.topics.imu_propagate);
   read_topic("relo_relative_pose", &p.topics.relo_relative_pose);
-  read_topic("virtual_frame", &p.topics.virtual_frame);
+  p.topics.virtual_frame = ReadText(handle, "topics/virtual_frame", p.topics.virtual_frame);
   p.frames.map = ReadText(handle, "frames/map", p.frames.map);
   p.frames.vio = ReadText(handle, "frames/vio", p.frames.vio);
   p.frames.body = ReadText(handle, "frames/body", p.frames.body);

@@ -71,6 +71,12 @@ Json ToJson(const ReplayResult& r) {
   json["verification_ms"] = r.mean_times.verification;
   json["graph_ms"] = r.mean_times.graph;
   json["slowest_keyframe_ms"] = r.slowest_keyframe_ms;
+  if (r.bag.front_end.images > 0) {
+    json["front_end"] = {{"images", r.bag.front_end.images},
+                         {"images_without_pose", r.bag.front_end.without_pose},
+                         {"keyframes", r.bag.front_end.keyframes},
+                         {"points", r.bag.front_end.points}};
+  }
   json["problems"] = r.problems.size();
   Json reasons;
   for (int i = 0; i < kRejectReasonCount; ++i) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "deja_view/front_end/odometry_front_end.hpp"
 #include "deja_view/geometry/rigid3.hpp"
 #include "deja_view/host/keyframe_assembler.hpp"
 #include "deja_view/host/keyframe_input.hpp"
@@ -10,6 +11,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 
 namespace deja_view {
@@ -37,6 +39,7 @@ struct ReplayCallbacks {
 
 struct ReplayReport {
   AssemblerCounts assembler;
+  FrontEndCounts front_end;       ///< where keyframes were made of images and poses
   std::int64_t messages = 0;      ///< read from the bag
   std::int64_t bad_messages = 0;  ///< messages and keyframes that could not be used
 };
@@ -55,11 +58,14 @@ ReplayReport ReplayBag(const std::filesystem::path& bag,
                        const ReplayCallbacks& callbacks);
 
 /// The same with the virtual views of another bag in place of the first one's; they are not read
-/// without `callbacks.on_virtual_view`.
+/// without `callbacks.on_virtual_view`. With `front_end`, keyframes are made of the images and the
+/// poses of `topics.odometry` (nav_msgs/Odometry, geometry_msgs/PoseStamped,
+/// PoseWithCovarianceStamped or TransformStamped), and only these are read.
 ReplayReport ReplayBag(const std::filesystem::path& bag,
                        const std::filesystem::path& virtual_bag,
                        const VioTopics& topics,
                        const KeyframeAssemblerOptions& options,
-                       const ReplayCallbacks& callbacks);
+                       const ReplayCallbacks& callbacks,
+                       const std::optional<FrontEndSetup>& front_end = std::nullopt);
 
 }  // namespace deja_view

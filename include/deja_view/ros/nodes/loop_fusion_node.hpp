@@ -17,6 +17,7 @@
 
 #include <deja_view/NamedMap.h>
 #include <diagnostic_updater/diagnostic_updater.h>
+#include <topic_tools/shape_shifter.h>
 
 #include <ros/callback_queue.h>
 #include <ros/node_handle.h>
@@ -44,6 +45,7 @@ class LoopFusionNode {
 
  private:
   LoopCloser MakeLoopCloser() const;
+  std::unique_ptr<LoopFusion> MakeLoopFusion();
   void LoadAtStart();
   void Subscribe();
   void Advertise();
@@ -57,6 +59,7 @@ class LoopFusionNode {
   void OnKeyframePose(const nav_msgs::OdometryConstPtr& message);
   void OnKeyframePoints(const sensor_msgs::PointCloudConstPtr& message);
   void OnExtrinsic(const nav_msgs::OdometryConstPtr& message);
+  void OnAnyPose(const topic_tools::ShapeShifter::ConstPtr& message);
   void OnOdometry(const nav_msgs::OdometryConstPtr& message);
   void OnImuPropagate(const nav_msgs::OdometryConstPtr& message);
   void OnRelativePose(const nav_msgs::OdometryConstPtr& message);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "deja_view/host/vio_topics.hpp"
+#include "deja_view/host/host_kind.hpp"
 #include "deja_view/io/vins_config.hpp"
 #include "deja_view/ros/messages/output_messages.hpp"
 
@@ -21,7 +21,9 @@ struct NodeParameters {
   std::filesystem::path output_directory;  ///< ~output_directory: results at the end; empty: none
   std::string load_map_at_start;           ///< ~load_map_at_start: name of a map; empty: none
   std::string save_map_at_end;             ///< ~save_map_at_end: name of a map; empty: none
-  VioTopics topics;  ///< ~topics/image, keyframe_pose, ...; the image's default is the YAML's
+  HostKind host = HostKind::kVinsMono;     ///< ~host: vins_mono, vins_fusion, openvins or odometry
+  /// ~topics/image, keyframe_pose, ...: empty ones are the host's, the image's the YAML's
+  VioTopics topics;
   bool compressed_images = false;  ///< ~compressed_images: the image topic is a CompressedImage's
   FrameNames frames;               ///< ~frames/map, vio, body, body_corrected
   std::string vins_namespace;      ///< ~vins_namespace: of VINS-Mono's outputs, "/pose_graph"
