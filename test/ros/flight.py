@@ -31,16 +31,18 @@ TYPES = {
 class Flight:
     """The messages of a simulated flight, and the truth about it."""
 
-    def __init__(self, directory):
+    def __init__(self, directory, kinds=None):
+        """`kinds`: message types by topic, of all that is played; everything the node hears by default."""
+        kinds = kinds or TYPES
         with rosbag.Bag(os.path.join(directory, "flight.bag")) as bag:
             self.messages = [
                 (time.to_sec(), topic, message)
-                for topic, message, time in bag.read_messages(topics=list(TYPES))
+                for topic, message, time in bag.read_messages(topics=list(kinds))
             ]
         truth = np.loadtxt(os.path.join(directory, "groundtruth.txt"))
         self.truth_stamps, self.truth = truth[:, 0], truth[:, 1:4]
         self.publishers = {
-            topic: rospy.Publisher(topic, kind, queue_size=1000) for topic, kind in TYPES.items()
+            topic: rospy.Publisher(topic, kind, queue_size=1000) for topic, kind in kinds.items()
         }
 
     def keyframe_stamps(self):

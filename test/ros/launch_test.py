@@ -15,6 +15,7 @@ LAUNCH = sys.argv.pop(1) if len(sys.argv) > 1 else "launch"
 # Argument of the launch files, and parameter of the node.
 ARGUMENTS = {
     "config_path": "config_file",
+    "host": "host",
     "options_file": "options_file",
     "vocabulary_file": "vocabulary_file",
     "map_directory": "map_directory",
@@ -55,6 +56,9 @@ class LaunchTest(unittest.TestCase):
             ("loop_fusion.launch", {}),
             ("replay.launch", {"bag": "flight.bag"}),
             ("vins_mono.launch", {"start_vins": "false"}),
+            ("vins_fusion.launch", {}),
+            ("openvins.launch", {}),
+            ("odometry.launch", {}),
             ("euroc.launch", {"bag": "flight.bag"}),
             ("euroc.launch", {"bag": "flight.bag", "vins": "true"}),
         ):
@@ -62,11 +66,18 @@ class LaunchTest(unittest.TestCase):
             self.assertEqual({a: found[p] for a, p in ARGUMENTS.items()}, given, name)
             self.assertIs(found["compressed_images"], True, name)
 
-    def test_without_arguments_the_topics_are_those_of_vins_mono(self):
+    def test_without_arguments_the_topics_are_the_hosts(self):
         found = parameters(load("vins_mono.launch", config_path="camera.yaml"))
-        self.assertEqual(found["topics/keyframe_pose"], "/vins_estimator/keyframe_pose")
+        self.assertEqual(found["host"], "vins_mono")
+        self.assertEqual(found["topics/keyframe_pose"], "")
         self.assertEqual(found["topics/image"], "")
         self.assertTrue(found["options_file"].endswith("loop_fusion.yaml"))
+
+    def test_each_host_has_a_launch_file(self):
+        for host in ("vins_mono", "vins_fusion", "openvins", "odometry"):
+            arguments = {"start_vins": "false"} if host == "vins_mono" else {}
+            found = parameters(load(host + ".launch", config_path="camera.yaml", **arguments))
+            self.assertEqual(found["host"], host)
 
     def test_a_replay_plays_all_that_the_node_hears(self):
         config = load("replay.launch", bag="flight.bag", config_path="camera.yaml")
@@ -75,6 +86,12 @@ class LaunchTest(unittest.TestCase):
         self.assertEqual(len(heard), 8)
         for topic in heard:
             self.assertIn(topic, player.args.split())
+
+    def test_beside_an_odometry_only_its_poses_are_played(self):
+        config = load("replay.launch", bag="flight.bag", config_path="camera.yaml", host="odometry")
+        player = next(n for n in config.nodes if n.name == "player")
+        played = player.args.split("--topics ")[1].split()
+        self.assertEqual(played, ["/cam0/image_raw", "/vins_estimator/odometry", "/virtual_cam0/frame"])
 
 
 if __name__ == "__main__":

@@ -183,10 +183,12 @@ void LoopFusionNode::Subscribe() {
              parameters_.config_file.c_str());
     return;
   }
-  SubscribeTo(topics.extrinsic, kMessageQueue, &LoopFusionNode::OnExtrinsic);
-  SubscribeTo(topics.keyframe_pose, kMessageQueue, &LoopFusionNode::OnKeyframePose);
-  SubscribeTo(topics.keyframe_point, kMessageQueue, &LoopFusionNode::OnKeyframePoints);
-  SubscribeTo(topics.relo_relative_pose, kMessageQueue, &LoopFusionNode::OnRelativePose);
+  if (parameters_.host != HostKind::kOdometry) {
+    SubscribeTo(topics.extrinsic, kMessageQueue, &LoopFusionNode::OnExtrinsic);
+    SubscribeTo(topics.keyframe_pose, kMessageQueue, &LoopFusionNode::OnKeyframePose);
+    SubscribeTo(topics.keyframe_point, kMessageQueue, &LoopFusionNode::OnKeyframePoints);
+    SubscribeTo(topics.relo_relative_pose, kMessageQueue, &LoopFusionNode::OnRelativePose);
+  }
   SubscribeTo(topics.virtual_frame, kMessageQueue, &LoopFusionNode::OnVirtualFrame);
   if (parameters_.compressed_images) {
     SubscribeTo(topics.image, kImageQueue, &LoopFusionNode::OnCompressedImage);

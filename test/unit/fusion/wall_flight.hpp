@@ -40,6 +40,9 @@ class WallFlight {
     return {LoopCloserOptions(), camera_, T_B_C_, Vocabulary::FromTree(RandomTree(10, 3, 1))};
   }
 
+  const std::shared_ptr<const Camera>& camera() const { return camera_; }
+  const Rigid3& T_B_C() const { return T_B_C_; }
+
   /// Keyframe `i` of `count`, half a second apart.
   KeyframeInput Keyframe(int i, int count) const {
     const int half = count / 2;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "bag_fixture.hpp"
+#include "test_cameras.hpp"
 #include <gmock/gmock.h>
 #include <opencv2/imgcodecs.hpp>
 
@@ -176,6 +177,30 @@ TEST_F(BagReplayTest, RealFlight) {
     points += FromKeyframePoints(*Instantiate<sensor_msgs::PointCloud>(instance), "points").size();
   });
   EXPECT_GT(points, 50000U);
+}
+
+TEST_F(BagReplayTest, MakesKeyframesOfImagesAndPosesAlone) {
+  FrontEndSetup setup;
+  setup.camera = SharedPinholeOf(64, 48, 40, 31.5, 23.5);
+  VioTopics topics;
+  topics.keyframe_pose.clear();
+  const ReplayReport report =
+      ReplayBag(WriteFlight("a.bag", 20), {}, topics, {}, Callbacks(), setup);
+  EXPECT_EQ(report.messages, 40);  // no others are read
+  EXPECT_EQ(report.front_end.images, 20);
+  EXPECT_EQ(report.front_end.poses, 20);
+  EXPECT_EQ(odometry_, 20);
+  // Of grey walls nothing is known but that they were seen.
+  ASSERT_EQ(keyframes_.size(), 20U);
+  EXPECT_EQ(keyframes_[7].T_W_B.t.x(), 7.0);
+  EXPECT_THAT(keyframes_[7].points, IsEmpty());
+  topics.odometry = topics.keyframe_point;
+  try {
+    ReplayBag(Path("a.bag"), {}, topics, {}, Callbacks(), setup);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("geometry_msgs/PoseStamped"));
+  }
 }
 
 }  // namespace
