@@ -4,6 +4,7 @@ made again."""
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -38,9 +39,10 @@ class MapTest(unittest.TestCase):
         first = self.map()
         figures = json.loads(first.stdout)
         self.assertEqual(self.stages(first.stderr, "begins"), STAGES)
-        for name in ("map.dvm", "field.dvn", "views.bag", "bundle/poses.txt", "map.json"):
+        for name in ("map.dvm", "field.dvn", "views.bag", "bundle/poses.txt", "map.json", "map.html"):
             self.assertTrue(os.path.exists(os.path.join(self.out, name)), name)
         self.assertGreater(figures["map"]["places"], 0)
+        self.check_page(figures)
         self.assertEqual(figures["field"]["steps"], 61)
         self.assertEqual(self.stages(self.map().stderr, "as it was"), STAGES)
 
@@ -60,6 +62,27 @@ class MapTest(unittest.TestCase):
 
         os.remove(os.path.join(self.out, "field.dvn"))
         self.assertEqual(self.stages(self.map("--preset", "paper").stderr, "begins"), STAGES[1:])
+
+    def check_page(self, figures):
+        """A field of 60 steps is a bad one, and is told to be."""
+        self.assertLess(figures["field_quality"]["psnr_db"], 20)
+        advice = [line for line in figures["advice"] if "--budget-s" in line]
+        self.assertEqual(len(advice), 1)
+        with open(os.path.join(self.out, "map.html"), encoding="utf-8") as file:
+            page = file.read()
+        self.assertIn(advice[0], page)
+        pictures = re.findall(r'<img src="([^"]*)"', page)
+        self.assertEqual(len(pictures), 8)
+        for picture in pictures:
+            self.assertTrue(os.path.exists(os.path.join(self.out, picture)), picture)
+
+    def test_maps_the_flight_of_an_odometry(self):
+        file_name = os.path.join(os.path.dirname(self.out), "figures.json")
+        self.map("--host", "odometry", "--odometry-topic", "/vins_estimator/odometry", "--json", file_name)
+        with open(file_name, encoding="utf-8") as file:
+            figures = json.load(file)
+        self.assertGreater(figures["map"]["places"], 0)
+        self.assertGreater(figures["views"]["views"], 0)
 
     def test_goes_on_after_an_interrupt(self):
         record = os.path.join(self.out, "stages.json")

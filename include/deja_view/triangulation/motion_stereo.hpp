@@ -14,12 +14,12 @@ namespace deja_view {
 /// Which images of the past a new one is triangulated with, and how far their relative pose is
 /// believed.
 struct MotionStereoOptions {
-  int recent = 10;                          ///< images kept; 0: nothing is triangulated
-  int partners = 2;                         ///< of them, those that a new image is matched with
+  int recent = 20;                          ///< images kept; 0: nothing is triangulated
+  int partners = 3;                         ///< of them, those that a new image is matched with
   double min_overlap = 0.4;                 ///< of the new image's view that a partner must see
   double min_depth_ratio = 0.2;             ///< to the scene's median: nothing nearer is looked for
   int enough = 100;                         ///< tracked points: an image with so many needs no more
-  int max_points = 60;                      ///< best of an image's corners that become points
+  int max_points = 120;                     ///< best of an image's corners that become points
   double min_distance_px = 4.0;             ///< of them from those that are points already
   double position_sigma_per_sqrt_m = 0.01;  ///< of the odometry, per square root of the metres
   double yaw_sigma_per_sqrt_m_deg = 0.1;

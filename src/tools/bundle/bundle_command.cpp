@@ -14,6 +14,7 @@ void AddBundleCommand(CLI::App& app, Command* command) {
   CLI::App* sub = app.add_subcommand(
       "bundle", "Adjust poses, points and calibration of a flight or of posed images");
   AddNerfInputOptions(sub, &request->input);
+  AddHostOptions(sub, &request->host);
   sub->add_flag_callback(
       "--no-loops", [request] { request->use_loops = false; }, "Take a flight's poses as they are");
   sub->add_option("--vocabulary", request->vocabulary, "For loops; default: the shipped one")

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/host_choice.hpp"
 #include "nerf/nerf_input.hpp"
 #include <nlohmann/json.hpp>
 
@@ -33,6 +34,7 @@ struct BundleToolOptions {
 
 /// What `deja_view bundle` is told.
 struct BundleRequest {
+  HostChoice host;        ///< of a flight
   NerfInput input;        ///< posed images; or a flight: `bag` and `camera` without poses
   bool use_loops = true;  ///< of a flight: close its loops first
   std::filesystem::path vocabulary;  ///< for loops; empty: the shipped one

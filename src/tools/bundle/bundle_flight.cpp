@@ -27,6 +27,7 @@ struct ClosedLoops {
 
 ClosedLoops CloseLoops(const BundleRequest& request) {
   ReplayRequest replay;
+  replay.host = request.host;
   replay.bag = request.input.bag;
   replay.camera = request.input.camera;
   replay.vocabulary = request.vocabulary;
@@ -60,8 +61,6 @@ class FlightReader {
   }
 
   void Read() {
-    VioTopics topics;
-    topics.image = vins_.image_topic;
     ReplayCallbacks callbacks;
     callbacks.on_extrinsic = [this](const Rigid3& T_B_C) {
       input_.problem.cameras.front().T_B_C = T_B_C;
@@ -77,7 +76,12 @@ class FlightReader {
       }
     };
     callbacks.on_progress = show;
-    ReplayBag(request_.input.bag, topics, {}, callbacks);
+    ReplayBag(request_.input.bag,
+              {},
+              request_.host.Topics(vins_),
+              {},
+              callbacks,
+              request_.host.FrontEnd(vins_, {}));
   }
 
   BundleInput input_;

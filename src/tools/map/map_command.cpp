@@ -1,5 +1,7 @@
 #include "map/map_command.hpp"
 
+#include "deja_view/base/atomic_file.hpp"
+
 #include <iostream>
 #include <memory>
 
@@ -10,6 +12,7 @@ namespace deja_view {
 
 void AddMapCommand(CLI::App& app, Command* command) {
   auto request = std::make_shared<MapRequest>();
+  auto json_file = std::make_shared<std::string>();
   CLI::App* sub = app.add_subcommand(
       "map", "Make a map that also recognises the place from where the flight has not been");
   sub->add_option("--bag", request->bag, "Bag with images and VINS-Mono's keyframes")
@@ -18,6 +21,7 @@ void AddMapCommand(CLI::App& app, Command* command) {
   sub->add_option("--camera", request->camera, "Camera YAML, as VINS-Mono's")
       ->required()
       ->check(CLI::ExistingFile);
+  AddHostOptions(sub, &request->host);
   sub->add_option("--out", request->out, "Directory for map.dvm, field.dvn and what they rest on")
       ->required();
   sub->add_option("--budget-s", request->budget_s, "Wall time in all [s]")
@@ -29,6 +33,7 @@ void AddMapCommand(CLI::App& app, Command* command) {
       ->capture_default_str();
   sub->add_option("--set", request->overrides, "Override of the loop closer: group.key=value")
       ->take_all();
+  sub->add_option("--json", *json_file, "File for the results, beside map.json in --out");
   sub->add_option("--threads", request->threads, "0: one per core");
   sub->add_flag_callback(
       "--quiet", [request] { request->show_progress = false; }, "No progress");
@@ -38,7 +43,15 @@ void AddMapCommand(CLI::App& app, Command* command) {
   sub->callback([=] {
     *command = [=] {
       try {
-        std::cout << RunMap(*request).dump(2) << "\n";
+        const nlohmann::ordered_json json = RunMap(*request);
+        if (!json_file->empty()) {
+          WriteFileAtomically(*json_file, [&](std::ostream& out) { out << json.dump(2) << "\n"; });
+        }
+        std::cout << json.dump(2) << "\n";
+        for (const auto& advice : json["advice"]) {
+          std::cerr << "advice: " << advice.get<std::string>() << "\n";
+        }
+        std::cerr << "see " << (request->out / "map.html").string() << "\n";
         return 0;
       } catch (const Interrupted&) {
         std::cerr << "deja_view: interrupted; the same command goes on from here\n";

@@ -4,12 +4,14 @@
 #include <string>
 #include <vector>
 
+#include "common/host_choice.hpp"
 #include <nlohmann/json.hpp>
 
 namespace deja_view {
 
 /// What `deja_view map` is told.
 struct MapRequest {
+  HostChoice host;
   std::filesystem::path bag;     ///< a flight: images and VINS-Mono's keyframes
   std::filesystem::path camera;  ///< VINS-Mono's YAML
   double budget_s = 720;        ///< wall time in all; what adjusting leaves goes to field and views
@@ -24,10 +26,11 @@ struct MapRequest {
 /// Makes a map that knows the place better than the flight did, from the flight alone: adjusts its
 /// poses with the loops that it finds, trains a field on them, renders views of the map's places,
 /// and saves the map with its views as `out`/map.dvm, the field as field.dvn, the adjusted poses as
-/// bundle/poses.txt, the views as views.bag, and `map.json`. Each stage is kept with a hash of what
-/// it was made from and is not run again while that is the same; a training that was interrupted
-/// goes on. Returns `bundle, field, field_quality, loops, views, map, cpu_s, wall_s, peak_rss_mb`,
-/// the stages' figures. Throws InputError, naming the stage, and Interrupted.
+/// bundle/poses.txt, the views as views.bag, `map.json`, and a page that shows it all, map.html.
+/// Each stage is kept with a hash of what it was made from and is not run again while that is the
+/// same; a training that was interrupted goes on. Returns `bundle, field, field_quality, loops,
+/// views, map, cpu_s, wall_s, peak_rss_mb`, the stages' figures. Throws InputError, naming the
+/// stage, and Interrupted.
 nlohmann::ordered_json RunMap(const MapRequest& request);
 
 }  // namespace deja_view

@@ -13,6 +13,7 @@
 #include "common/interrupt.hpp"
 #include "common/tool_figures.hpp"
 #include "map/map_command.hpp"
+#include "map/map_page.hpp"
 #include "nerf/nerf_command.hpp"
 #include "replay/replay.hpp"
 #include "views/views_command.hpp"
@@ -108,10 +109,12 @@ class MapMaker {
   explicit MapMaker(const MapRequest& request)
       : request_(request),
         start_(Clock::now()),
-        stages_(
-            request,
-            Hash64(fmt::format("{} {}", Hash64OfFile(request.bag), Hash64OfFile(request.camera)))) {
-  }
+        stages_(request,
+                Hash64(fmt::format("{} {} {} {}",
+                                   Hash64OfFile(request.bag),
+                                   Hash64OfFile(request.camera),
+                                   EnumToString(request.host.host),
+                                   request.host.odometry_topic))) {}
 
   Json Make() {
     Json json;
@@ -127,14 +130,17 @@ class MapMaker {
     json["cpu_s"] = CpuSeconds();
     json["wall_s"] = SecondsSince(start_);
     json["peak_rss_mb"] = PeakRssMb();
+    json["advice"] = MapAdvice(json);
     WriteFileAtomically(request_.out / "map.json",
                         [&](std::ostream& out) { out << json.dump(2) << "\n"; });
+    WriteMapPage(request_.out, json);
     return json;
   }
 
  private:
   ReplayRequest Replay() const {
     ReplayRequest replay;
+    replay.host = request_.host;
     replay.bag = request_.bag;
     replay.camera = request_.camera;
     replay.overrides = request_.overrides;
@@ -174,6 +180,7 @@ class MapMaker {
   Json Adjust() {
     return stages_.Run("bundle", "", path("bundle/poses.txt"), [&] {
       BundleRequest bundle;
+      bundle.host = request_.host;
       bundle.input.bag = request_.bag;
       bundle.input.camera = request_.camera;
       bundle.out = path("bundle");
@@ -259,6 +266,7 @@ class MapMaker {
       views.input.poses = path("bundle/poses.txt");
       views.input.model = path("field.dvn");
       views.input.preset = request_.preset;
+      views.input.sources = "images";  // those of the places, whoever made them keyframes
       views.input.places = path("flight/places.txt");
       views.input.threads = request_.threads;
       views.input.show_progress = request_.show_progress;

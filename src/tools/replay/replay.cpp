@@ -85,17 +85,12 @@ void Play(const ReplayRequest& request,
     };
   }
   const VinsConfig vins = ReadVinsConfig(request.camera);
-  VioTopics topics = TopicsOf(request.host);
-  topics.image = vins.image_topic;
-  if (!request.odometry_topic.empty()) {
-    topics.odometry = request.odometry_topic;
-  }
-  std::optional<FrontEndSetup> front_end;
-  if (request.host == HostKind::kOdometry) {
-    front_end = {options.front_end, vins.camera, vins.T_B_C};
-  }
-  result->bag =
-      ReplayBag(request.bag, request.virtual_bag, topics, options.assembler, callbacks, front_end);
+  result->bag = ReplayBag(request.bag,
+                          request.virtual_bag,
+                          request.host.Topics(vins),
+                          options.assembler,
+                          callbacks,
+                          request.host.FrontEnd(vins, options.front_end));
   if (request.show_progress) {
     progress.Finish(static_cast<std::size_t>(result->bag.messages),
                     fmt::format("{} loops", accepted));

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "deja_view/fusion/match_samples.hpp"
-#include "deja_view/host/host_kind.hpp"
 #include "deja_view/pipeline/loop_closer.hpp"
 #include "deja_view/ros/bag/bag_replay.hpp"
 
@@ -10,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "common/host_choice.hpp"
 #include <nlohmann/json.hpp>
 
 namespace deja_view {
@@ -23,9 +23,8 @@ struct RevisitLimits {
 /// What `deja_view replay` is told.
 struct ReplayRequest {
   std::filesystem::path bag;
-  std::filesystem::path virtual_bag;      ///< with /virtual_cam0/frame; empty: the bag's own
-  HostKind host = HostKind::kVinsMono;    ///< whose topics the bag has
-  std::string odometry_topic;             ///< empty: the host's
+  std::filesystem::path virtual_bag;  ///< with /virtual_cam0/frame; empty: the bag's own
+  HostChoice host;
   std::filesystem::path camera;           ///< VINS-Mono's YAML
   std::filesystem::path config;           ///< LoopFusionOptions; empty: defaults
   std::filesystem::path vocabulary;       ///< empty: the shipped one for the configured descriptor

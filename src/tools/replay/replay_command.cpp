@@ -57,21 +57,7 @@ Json Replay(const ReplayRequest& request) {
 
 void AddInputOptions(CLI::App* sub, ReplayRequest* request) {
   sub->add_option("--bag", request->bag, "Bag with images and VINS-Mono's keyframes")->required();
-  sub->add_option_function<std::string>(
-      "--host",
-      [request](const std::string& name) {
-        const auto host = EnumFromString<HostKind>(name);
-        if (!host) {
-          throw CLI::ValidationError("--host", name + ": expected " + EnumNameList<HostKind>());
-        }
-        request->host = *host;
-      },
-      "Whose topics the bag has: vins_mono (default), vins_fusion, openvins, or odometry: "
-      "keyframes are made of the images and the poses of --odometry-topic");
-  sub->add_option("--odometry-topic",
-                  request->odometry_topic,
-                  "Body poses (Odometry, PoseStamped, PoseWithCovarianceStamped, "
-                  "TransformStamped); the host's without");
+  AddHostOptions(sub, &request->host);
   sub->add_option("--virtual-bag",
                   request->virtual_bag,
                   "Bag with virtual views (/virtual_cam0/frame); without, those of --bag");

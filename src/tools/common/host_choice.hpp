@@ -1,0 +1,31 @@
+#pragma once
+
+#include "deja_view/front_end/odometry_front_end.hpp"
+#include "deja_view/host/host_kind.hpp"
+#include "deja_view/io/vins_config.hpp"
+
+#include <optional>
+#include <string>
+
+namespace CLI {
+class App;
+}
+
+namespace deja_view {
+
+/// Whose topics a bag has.
+struct HostChoice {
+  HostKind host = HostKind::kVinsMono;
+  std::string odometry_topic;  ///< empty: the host's
+
+  /// With the camera's image topic.
+  VioTopics Topics(const VinsConfig& vins) const;
+  /// How keyframes are made of images and poses, for a host that gives no others.
+  std::optional<FrontEndSetup> FrontEnd(const VinsConfig& vins,
+                                        const OdometryFrontEndOptions& options) const;
+};
+
+/// --host and --odometry-topic. Keeps a reference to `choice`.
+void AddHostOptions(CLI::App* sub, HostChoice* choice);
+
+}  // namespace deja_view
