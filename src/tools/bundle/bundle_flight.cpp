@@ -61,7 +61,7 @@ class FlightReader {
 
   void Read() {
     VioTopics topics;
-    topics.image = vins_.image_topic;
+    topics.image = RequireImageTopic(vins_, request_.input.camera);
     ReplayCallbacks callbacks;
     callbacks.on_extrinsic = [this](const Rigid3& T_B_C) {
       input_.problem.cameras.front().T_B_C = T_B_C;

@@ -15,7 +15,7 @@ void AddMapCommand(CLI::App& app, Command* command) {
   sub->add_option("--bag", request->bag, "Bag with images and VINS-Mono's keyframes")
       ->required()
       ->check(CLI::ExistingFile);
-  sub->add_option("--camera", request->camera, "Camera YAML, as VINS-Mono's")
+  sub->add_option("--camera", request->camera, "Camera YAML of an odometry")
       ->required()
       ->check(CLI::ExistingFile);
   sub->add_option("--out", request->out, "Directory for map.dvm, field.dvn and what they rest on")

@@ -86,7 +86,7 @@ void Play(const ReplayRequest& request,
   }
   const VinsConfig vins = ReadVinsConfig(request.camera);
   VioTopics topics;
-  topics.image = vins.image_topic;
+  topics.image = RequireImageTopic(vins, request.camera);
   result->bag = ReplayBag(request.bag, request.virtual_bag, topics, options.assembler, callbacks);
   if (request.show_progress) {
     progress.Finish(static_cast<std::size_t>(result->bag.messages),
