@@ -66,9 +66,8 @@ NerfRenderNode::NerfRenderNode()
       pose_topic_(internal::ReadText(private_handle_, "topics/pose", "/vins_estimator/odometry")),
       compressed_images_(internal::ReadParameter<bool>(
           private_handle_, "compressed_images", false, "true or false")) {
-  if (image_topic_.empty()) {
-    image_topic_ = vins_.image_topic;
-  }
+  image_topic_ = RequireImageTopic(
+      vins_, internal::ReadRequired(private_handle_, "config_file"), image_topic_);
   const std::string preset = internal::ReadText(private_handle_, "preset_file");
   if (!preset.empty()) {
     ReadOptions(preset, &options_);

@@ -55,9 +55,8 @@ NodeParameters ReadNodeParameters(const ros::NodeHandle& handle) {
 }
 
 void CompleteParameters(const VinsConfig& vins, NodeParameters* parameters) {
-  if (parameters->topics.image.empty()) {
-    parameters->topics.image = vins.image_topic;
-  }
+  parameters->topics.image =
+      RequireImageTopic(vins, parameters->config_file, parameters->topics.image);
   if (parameters->map_directory.empty()) {
     parameters->map_directory = vins.pose_graph_save_path;
   }

@@ -78,7 +78,7 @@ class FlightReader {
     callbacks.on_progress = show;
     ReplayBag(request_.input.bag,
               {},
-              request_.host.Topics(vins_),
+              request_.host.Topics(vins_, request_.input.camera),
               {},
               callbacks,
               request_.host.FrontEnd(vins_, {}));

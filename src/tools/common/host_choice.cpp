@@ -4,9 +4,9 @@
 
 namespace deja_view {
 
-VioTopics HostChoice::Topics(const VinsConfig& vins) const {
+VioTopics HostChoice::Topics(const VinsConfig& vins, const std::filesystem::path& camera) const {
   VioTopics topics = TopicsOf(host);
-  topics.image = vins.image_topic;
+  topics.image = RequireImageTopic(vins, camera);
   if (!odometry_topic.empty()) {
     topics.odometry = odometry_topic;
   }

@@ -4,6 +4,7 @@
 #include "deja_view/host/host_kind.hpp"
 #include "deja_view/io/vins_config.hpp"
 
+#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -18,8 +19,8 @@ struct HostChoice {
   HostKind host = HostKind::kVinsMono;
   std::string odometry_topic;  ///< empty: the host's
 
-  /// With the camera's image topic.
-  VioTopics Topics(const VinsConfig& vins) const;
+  /// With the image topic of the camera file. Throws InputError when it names none.
+  VioTopics Topics(const VinsConfig& vins, const std::filesystem::path& camera) const;
   /// How keyframes are made of images and poses, for a host that gives no others.
   std::optional<FrontEndSetup> FrontEnd(const VinsConfig& vins,
                                         const OdometryFrontEndOptions& options) const;

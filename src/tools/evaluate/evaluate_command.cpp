@@ -74,7 +74,7 @@ void AddEvaluateCommand(CLI::App& app, Command* command) {
   CLI::App* sub = app.add_subcommand(
       "evaluate", "Replay a bag in many variants, each in a process of its own, side by side");
   sub->add_option("--bag", request->bag, "Bag with images and VINS-Mono's keyframes")->required();
-  sub->add_option("--camera", request->camera, "Camera YAML, as VINS-Mono's")->required();
+  sub->add_option("--camera", request->camera, "Camera YAML of an odometry")->required();
   sub->add_option("--groundtruth", request->groundtruth, "True body poses (TUM)")->required();
   sub->add_option("--out", request->out, "Directory: a run per variant")->required();
   sub->add_option("--config", request->config, "Loop closer's YAML; defaults without");

@@ -18,7 +18,7 @@ void AddMapCommand(CLI::App& app, Command* command) {
   sub->add_option("--bag", request->bag, "Bag with images and VINS-Mono's keyframes")
       ->required()
       ->check(CLI::ExistingFile);
-  sub->add_option("--camera", request->camera, "Camera YAML, as VINS-Mono's")
+  sub->add_option("--camera", request->camera, "Camera YAML of an odometry")
       ->required()
       ->check(CLI::ExistingFile);
   AddHostOptions(sub, &request->host);

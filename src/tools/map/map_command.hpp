@@ -13,7 +13,7 @@ namespace deja_view {
 struct MapRequest {
   HostChoice host;
   std::filesystem::path bag;     ///< a flight: images and VINS-Mono's keyframes
-  std::filesystem::path camera;  ///< VINS-Mono's YAML
+  std::filesystem::path camera;  ///< of ReadVinsConfig
   double budget_s = 720;        ///< wall time in all; what adjusting leaves goes to field and views
   int steps = 0;                ///< of the field's training; 0: as many as the budget allows
   std::string preset = "wide";  ///< of the views: paper, wide or a ViewOptions file

@@ -34,7 +34,7 @@ void AddSourceOptions(CLI::App* sub, NerfInput* input) {
                   "Directory of images named by their stamps (ns, or s with a point), EuRoC's ASL "
                   "folder, or the images of --colmap")
       ->check(CLI::ExistingDirectory);
-  sub->add_option("--camera", input->camera, "Camera and extrinsics: VINS-Mono's YAML")
+  sub->add_option("--camera", input->camera, "Camera and extrinsics: an odometry's YAML")
       ->check(CLI::ExistingFile);
   sub->add_option("--poses",
                   input->poses,
@@ -220,7 +220,7 @@ void AddComparePoses(CLI::App* nerf, Command* command) {
   sub->add_option("--images", request->input.images, "Directory of images named by their stamps")
       ->required()
       ->check(CLI::ExistingDirectory);
-  sub->add_option("--camera", request->input.camera, "Camera and extrinsics: VINS-Mono's YAML")
+  sub->add_option("--camera", request->input.camera, "Camera and extrinsics: an odometry's YAML")
       ->required()
       ->check(CLI::ExistingFile);
   AddImageOptions(sub, &request->input);
@@ -244,7 +244,7 @@ void AddRender(CLI::App* nerf, Command* command) {
   AddScaleOption(sub, &request->scale);
   AddCommonOptions(sub, request.get(), json_file.get());
   sub->add_option("--model", request->model, "Model file")->required()->check(CLI::ExistingFile);
-  sub->add_option("--camera", request->camera, "Camera and extrinsics: VINS-Mono's YAML")
+  sub->add_option("--camera", request->camera, "Camera and extrinsics: an odometry's YAML")
       ->check(CLI::ExistingFile);
   sub->add_option("--trajectory",
                   request->trajectory,
@@ -284,7 +284,7 @@ void AddAlign(CLI::App* nerf, Command* command) {
                   request->align_to,
                   "Poses of the body in metres, as --poses: those of the VIO, say")
       ->required();
-  sub->add_option("--camera", request->camera, "Camera and extrinsics: VINS-Mono's YAML")
+  sub->add_option("--camera", request->camera, "Camera and extrinsics: an odometry's YAML")
       ->required()
       ->check(CLI::ExistingFile);
   sub->add_option("--max-rmse-m", request->max_rmse_m, "A worse fit is an error [m]")

@@ -49,7 +49,7 @@ struct NerfEvalRequest {
 struct NerfRenderRequest {
   std::filesystem::path model;
   std::filesystem::path transforms;  ///< instead of camera and trajectory
-  std::filesystem::path camera;      ///< VINS-Mono's YAML
+  std::filesystem::path camera;      ///< of ReadVinsConfig
   std::filesystem::path trajectory;  ///< ReadTrajectoryFile
   std::string poses_of = "body";
   double scale = 1;
@@ -66,7 +66,7 @@ struct NerfAlignRequest {
   std::string poses;  ///< ReadPoses: those that the model was trained on
   std::string poses_of = "body";
   std::string align_to;          ///< ReadPoses, of the body, in metres
-  std::filesystem::path camera;  ///< VINS-Mono's YAML
+  std::filesystem::path camera;  ///< of ReadVinsConfig
   double max_rmse_m = 0.2;
   std::filesystem::path out;
 };

@@ -48,7 +48,7 @@ Images ReadTrajectoryInput(const NerfInput& input) {
   const Rigid3 T_B_C = poses.is_of_camera ? Rigid3::Identity() : config.T_B_C;
   if (!input.bag.empty()) {
 #ifdef DEJA_VIEW_WITH_ROS
-    const std::string& topic = input.image_topic.empty() ? config.image_topic : input.image_topic;
+    const std::string topic = RequireImageTopic(config, input.camera, input.image_topic);
     return nerf::AttachPoses(ListBagInput(input.bag, topic, config.camera),
                              T_B_C,
                              poses.trajectory,

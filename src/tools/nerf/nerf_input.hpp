@@ -13,7 +13,7 @@ namespace deja_view {
 /// colmap, seven_scenes and bag is given.
 struct NerfInput {
   std::filesystem::path images;  ///< directory of <stamp>.<extension>, or COLMAP's images
-  std::filesystem::path camera;  ///< VINS-Mono's YAML; of 7-Scenes: the colour camera's, or none
+  std::filesystem::path camera;  ///< of ReadVinsConfig; of 7-Scenes: the colour camera's, or none
   std::filesystem::path poses;   ///< ReadTrajectoryFile, or a bag
   std::string poses_of = "body";
   std::filesystem::path transforms;    ///< transforms.json

@@ -87,7 +87,7 @@ void Play(const ReplayRequest& request,
   const VinsConfig vins = ReadVinsConfig(request.camera);
   result->bag = ReplayBag(request.bag,
                           request.virtual_bag,
-                          request.host.Topics(vins),
+                          request.host.Topics(vins, request.camera),
                           options.assembler,
                           callbacks,
                           request.host.FrontEnd(vins, options.front_end));

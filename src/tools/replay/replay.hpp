@@ -25,7 +25,7 @@ struct ReplayRequest {
   std::filesystem::path bag;
   std::filesystem::path virtual_bag;  ///< with /virtual_cam0/frame; empty: the bag's own
   HostChoice host;
-  std::filesystem::path camera;           ///< VINS-Mono's YAML
+  std::filesystem::path camera;           ///< of ReadVinsConfig
   std::filesystem::path config;           ///< LoopFusionOptions; empty: defaults
   std::filesystem::path vocabulary;       ///< empty: the shipped one for the configured descriptor
   std::filesystem::path groundtruth;      ///< TUM; empty: none

@@ -61,7 +61,7 @@ void AddInputOptions(CLI::App* sub, ReplayRequest* request) {
   sub->add_option("--virtual-bag",
                   request->virtual_bag,
                   "Bag with virtual views (/virtual_cam0/frame); without, those of --bag");
-  sub->add_option("--camera", request->camera, "Camera YAML, as VINS-Mono's")->required();
+  sub->add_option("--camera", request->camera, "Camera YAML of an odometry")->required();
   sub->add_option("--config", request->config, "Loop closer's YAML; defaults without");
   sub->add_option("--set", request->overrides, "Override of the config: group.key=value")
       ->take_all();

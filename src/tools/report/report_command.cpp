@@ -151,8 +151,8 @@ void AddMatches(const ReportRequest& request, report::HtmlReport* html) {
   }
 #ifdef DEJA_VIEW_WITH_ROS
   if (!request.bags.empty()) {
-    html->match_pictures =
-        ReadPictures(request.bags, ReadVinsConfig(request.camera).image_topic, wanted);
+    html->match_pictures = ReadPictures(
+        request.bags, RequireImageTopic(ReadVinsConfig(request.camera), request.camera), wanted);
   }
 #endif
 }
@@ -296,8 +296,7 @@ void AddReportCommand(CLI::App& app, Command* command) {
       ->expected(1)
       ->take_all();
   sub->add_option("--groundtruth", request->groundtruth, "True body poses (TUM)");
-  sub->add_option(
-      "--camera", request->camera, "Camera YAML, as VINS-Mono's; needed for the recall");
+  sub->add_option("--camera", request->camera, "Camera YAML of an odometry; needed for the recall");
   sub->add_option("--out", request->out, "Directory for the pictures (SVG)");
   sub->add_option("--json", request->json, "File for the figures of the table");
   sub->add_option("--html", request->html, "File for the whole report as one HTML page");

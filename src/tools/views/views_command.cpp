@@ -83,7 +83,7 @@ void AddFlightOptions(CLI::App* sub, FlightFiles* flight) {
                   "EuRoC's ASL folder")
       ->check(CLI::ExistingDirectory)
       ->excludes(bag);
-  sub->add_option("--camera", flight->camera, "Camera YAML, as VINS-Mono's")
+  sub->add_option("--camera", flight->camera, "Camera YAML of an odometry")
       ->check(CLI::ExistingFile);
   sub->add_option("--image-topic", flight->image_topic, "Images; the camera YAML's without");
 }

@@ -15,7 +15,7 @@ namespace deja_view {
 struct FlightFiles {
   std::filesystem::path bag;
   std::filesystem::path images;  ///< OpenImageFlight
-  std::filesystem::path camera;  ///< VINS-Mono's YAML
+  std::filesystem::path camera;  ///< of ReadVinsConfig
   std::string image_topic;       ///< empty: the camera YAML's
 };
 

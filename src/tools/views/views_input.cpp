@@ -32,10 +32,6 @@ Trajectory OfCamera(PoseSource source, const Rigid3& T_B_C) {
   return source.is_of_camera ? std::move(source.trajectory) : Transform(source.trajectory, T_B_C);
 }
 
-const std::string& ImageTopic(const FlightFiles& files, const VinsConfig& config) {
-  return files.image_topic.empty() ? config.image_topic : files.image_topic;
-}
-
 // The VIO's poses of the camera, where there are any.
 std::optional<Trajectory> ReadReference(const ViewsInput& input, const ViewJob& job) {
   const std::string& topic = job.topics.keyframe_pose;
@@ -92,7 +88,8 @@ std::shared_ptr<const ViewFlight> OpenFlight(const FlightFiles& files) {
     ThrowInputError("--images needs --camera");
   }
   const VinsConfig config = ReadVinsConfig(files.camera);
-  return OpenImageFlight(files.images, ImageTopic(files, config), config.camera);
+  return OpenImageFlight(
+      files.images, RequireImageTopic(config, files.camera, files.image_topic), config.camera);
 }
 
 PosedJob ReadViewsInput(const ViewsInput& input) {
@@ -102,7 +99,7 @@ PosedJob ReadViewsInput(const ViewsInput& input) {
   job.flight = OpenFlight(input.flight);
   job.camera = config.camera;
   job.T_B_C = config.T_B_C;
-  job.topics.image = ImageTopic(input.flight, config);
+  job.topics.image = RequireImageTopic(config, input.flight.camera, input.flight.image_topic);
   // Those of a bag are in it already.
   job.pose_topic = input.flight.bag.empty() ? "/odometry" : "";
   job.sources = EnumFromString<SourceKind>(input.sources).value();

@@ -72,13 +72,17 @@ class VinsConfigTest : public ::testing::Test {
     const std::size_t at = text.find(from);
     EXPECT_NE(at, std::string::npos) << from;
     text.replace(at, from.size(), to);
+    return ErrorOf(text);
+  }
+
+  std::string ErrorOf(const std::string& text) {
     try {
       Read(text);
     } catch (const InputError& e) {
       EXPECT_THAT(e.what(), HasSubstr(path_.string()));
       return e.what();
     }
-    ADD_FAILURE() << "no error after replacing " << from;
+    ADD_FAILURE() << "no error:\n" << text;
     return "";
   }
 
@@ -168,6 +172,34 @@ TEST_F(VinsConfigTest, RefusesFilesThatAreNoYaml) {
   EXPECT_THROW(Read("a: [1, 2\n"), InputError);
   EXPECT_THROW(Read(""), InputError);
   EXPECT_THROW(Read("text"), InputError);
+}
+
+TEST_F(VinsConfigTest, ListsTheLayoutsForAnUnknownOne) {
+  for (const char* text : {"", "focal_length: 400\n", "relative_config_imucam: chain.yaml\n"}) {
+    EXPECT_THAT(ErrorOf(text),
+                ::testing::AllOf(HasSubstr("no known camera file"),
+                                 HasSubstr("VINS-Mono's (model_type)"),
+                                 HasSubstr("VINS-Fusion's (cam0_calib)"),
+                                 HasSubstr("camera chain (cam0)"),
+                                 HasSubstr("(T_BS)"),
+                                 HasSubstr("ORB-SLAM3's settings (Camera.type)")));
+  }
+  // VINS-Mono's without its model is still VINS-Mono's.
+  EXPECT_THAT(ErrorOf("extrinsicRotation: 1\n"), HasSubstr("key 'model_type' is missing"));
+}
+
+TEST(RequireImageTopic, RequiresATopicOfImages) {
+  VinsConfig config;
+  EXPECT_EQ(RequireImageTopic(config, "camera.yaml", "/given"), "/given");
+  try {
+    RequireImageTopic(config, "camera.yaml");
+    ADD_FAILURE() << "no error";
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.what(), HasSubstr("camera.yaml: key 'image_topic' is missing"));
+  }
+  config.image_topic = "/file";
+  EXPECT_EQ(RequireImageTopic(config, "camera.yaml"), "/file");
+  EXPECT_EQ(RequireImageTopic(config, "camera.yaml", "/given"), "/given");
 }
 
 }  // namespace

@@ -29,7 +29,7 @@
 namespace deja_view {
 
 /// `deja_view views render` while a bag plays: images and poses in, virtual frames out. Parameters:
-///   ~config_file      VINS-Mono's camera YAML, required
+///   ~config_file      camera file of VINS or another odometry, required
 ///   ~preset_file      ViewOptions, relative names of networks are looked for beside it; empty:
 ///                     defaults
 ///   ~model_directory  where models are, required

@@ -14,7 +14,7 @@ namespace deja_view {
 /// What the parameter server tells the node: files, directories, topics and frames. Everything else
 /// is in the files.
 struct NodeParameters {
-  std::filesystem::path config_file;       ///< ~config_file: VINS-Mono's camera YAML, required
+  std::filesystem::path config_file;       ///< ~config_file: camera file, required
   std::filesystem::path vocabulary_file;   ///< ~vocabulary_file: required
   std::filesystem::path options_file;      ///< ~options_file: LoopFusionOptions; empty: defaults
   std::filesystem::path map_directory;     ///< ~map_directory: default pose_graph_save_path
@@ -36,7 +36,8 @@ struct NodeParameters {
 /// Throws InputError that names a missing parameter, or one of another type.
 NodeParameters ReadNodeParameters(const ros::NodeHandle& private_handle);
 
-/// Fills in what the camera YAML gives: the image topic and the directory of maps.
+/// Fills in what the camera YAML gives: the image topic and the directory of maps. Throws
+/// InputError when neither names an image topic.
 void CompleteParameters(const VinsConfig& vins, NodeParameters* parameters);
 
 }  // namespace deja_view
