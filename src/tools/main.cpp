@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
   deja_view::AddNerfCommand(app, &command);
 #ifdef DEJA_VIEW_WITH_ROS
   deja_view::AddBundleCommand(app, &command);
+  deja_view::AddCheckCommand(app, &command);
   deja_view::AddMapCommand(app, &command);
   deja_view::AddReplayCommand(app, &command);
   deja_view::AddViewsCommand(app, &command);

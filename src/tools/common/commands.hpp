@@ -12,6 +12,7 @@ using Command = std::function<int()>;
 /// Each adds its subcommand to `app` and sets `*command` when it is the one that was called.
 void AddApeCommand(CLI::App& app, Command* command);
 void AddBundleCommand(CLI::App& app, Command* command);
+void AddCheckCommand(CLI::App& app, Command* command);
 void AddEvaluateCommand(CLI::App& app, Command* command);
 void AddMapCommand(CLI::App& app, Command* command);
 void AddNerfCommand(CLI::App& app, Command* command);
