@@ -212,9 +212,9 @@ TEST_F(LoopFusionTest, ChecksItsOptions) {
 TEST_F(LoopFusionTest, MakesKeyframesOfImagesAndPosesAlone) {
   LoopFusionCallbacks callbacks;
   std::vector<std::size_t> points;
-  callbacks.on_keyframe = [&](const KeyframeInput& input, const KeyframeReport&, const LoopCloser&) {
-    points.push_back(input.points.size());
-  };
+  callbacks.on_keyframe = [&](const KeyframeInput& input,
+                              const KeyframeReport&,
+                              const LoopCloser&) { points.push_back(input.points.size()); };
   callbacks.on_problem = [](const std::string& what) { ADD_FAILURE() << what; };
   LoopFusion fusion({}, flight_.MakeLoopCloser(), callbacks, flight_.camera(), flight_.T_B_C());
   fusion.Start();
@@ -222,7 +222,8 @@ TEST_F(LoopFusionTest, MakesKeyframesOfImagesAndPosesAlone) {
   for (int i = 0; i < kImages; ++i) {
     const KeyframeInput frame = flight_.Keyframe(i, kImages);
     fusion.AddOdometry(frame.stamp_ns, frame.T_W_B);
-    fusion.AddImage(frame.stamp_ns, [image = frame.image] { return image; }, 1);
+    fusion.AddImage(
+        frame.stamp_ns, [image = frame.image] { return image; }, 1);
   }
   fusion.Stop(kForever);
   const LoopFusionStatistics statistics = fusion.statistics();
