@@ -15,9 +15,6 @@ namespace deja_view::sim::HWY_NAMESPACE {
 namespace {
 
 constexpr int kSize = RayPacket::kSize;
-// Seen more flatly than this, a surface is filtered as if it were at this angle.
-constexpr float kLeastCosine = 0.05F;
-
 /// As std::floor for values that fit an int, in two vector instructions.
 inline std::int32_t Floor(float x) {
   const auto truncated = static_cast<std::int32_t>(x);

@@ -10,6 +10,9 @@ namespace deja_view::sim {
 /// A number for each ray of a packet.
 using Lanes = std::array<float, RayPacket::kSize>;
 
+/// Seen more flatly than this, a surface is filtered as if it were at this angle.
+inline constexpr float kLeastCosine = 0.05F;
+
 /// A surface with everything per metre worked out.
 struct ShadedSurface {
   float emission = 0;
