@@ -116,7 +116,7 @@ void RayTracer::March(const Ray& ray,
   std::size_t found = 0;
   float t = state->t;
   while (found < kSamplesPerRound && t < ray.end) {
-    std::array<int, 3> at;
+    std::array<int, 3> at{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const float p = ray.origin[axis] + (t + kNudge) * ray.direction[axis];
       at[axis] = std::clamp(static_cast<int>(p * scale), 0, grid.cells()[axis] - 1);

@@ -15,13 +15,13 @@ namespace deja_view::nerf::internal {
 /// most the box's diagonal, which keeps them exact however far the camera is. `direction` is a unit
 /// vector.
 struct Ray {
-  std::array<float, 3> origin;
-  std::array<float, 3> direction;
-  std::array<float, 3> inverse;   ///< of the direction; 0: along this axis' faces
-  float before = 0;               ///< length from the camera to the origin
-  float end = 0;                  ///< length to where it leaves the box; <= 0: it misses
-  float jitter = 0.5F;            ///< place of the samples within their steps, in [0, 1)
-  const float* latent = nullptr;  ///< of its image; null: zeros
+  std::array<float, 3> origin{};
+  std::array<float, 3> direction{};
+  std::array<float, 3> inverse{};  ///< of the direction; 0: along this axis' faces
+  float before = 0;                ///< length from the camera to the origin
+  float end = 0;                   ///< length to where it leaves the box; <= 0: it misses
+  float jitter = 0.5F;             ///< place of the samples within their steps, in [0, 1)
+  const float* latent = nullptr;   ///< of its image; null: zeros
 };
 
 /// Column of the colour network's input where the latent numbers begin.
@@ -92,7 +92,7 @@ class RayTracer {
     void Reserve(std::size_t most);  ///< and forget all
   };
 
-  void March(const Ray& ray, std::uint32_t index, const TraceOptions& options, State* state);
+  void March(const Ray& ray, std::uint32_t number, const TraceOptions& options, State* state);
   void EvaluateDensity();
   void Composite(const TraceOptions& options, std::vector<State>* states);
   void SortByRay(std::size_t rays, Trace* trace);
