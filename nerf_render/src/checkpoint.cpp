@@ -174,6 +174,7 @@ RadianceField ReadHead(BinaryReader* reader) {
   }
   const auto channels = reader->Read<std::int32_t>("channels");
   RejectAny(options.Validate(), reader->path().c_str());
+  RejectAny(march.Validate(), reader->path().c_str());
   if (!box.min.allFinite() || !box.max.allFinite() || !(box.max.array() > box.min.array()).all()) {
     reader->Fail("box", "makes no sense");
   }

@@ -15,18 +15,18 @@ std::vector<std::string> Violations(const GridOptions& grid) {
   return r.errors();
 }
 
-std::vector<std::string> Violations(const MarchOptions& march) {
+}  // namespace
+
+std::vector<std::string> MarchOptions::Validate() const {
   Requirements r;
-  r.Range("min_step", march.min_step, 1e-6F, 1.0F);
-  r.Range("max_step", march.max_step, march.min_step, 1.0F);
-  r.Range("cone_angle", march.cone_angle, 0.0F, 1.0F);
-  r.Range("min_weight", march.min_weight, 0.0F, 0.5F);
-  r.Range("min_transmittance", march.min_transmittance, 0.0F, 0.5F);
-  r.Range("max_samples", march.max_samples, 8, 65536);
+  r.Range("min_step", min_step, 1e-6F, 1.0F);
+  r.Range("max_step", max_step, min_step, 1.0F);
+  r.Range("cone_angle", cone_angle, 0.0F, 1.0F);
+  r.Range("min_weight", min_weight, 0.0F, 0.5F);
+  r.Range("min_transmittance", min_transmittance, 0.0F, 0.5F);
+  r.Range("max_samples", max_samples, 8, 65536);
   return r.errors();
 }
-
-}  // namespace
 
 std::vector<std::string> FieldOptions::Validate() const {
   Requirements r;
@@ -45,7 +45,7 @@ std::vector<std::string> FieldOptions::Validate() const {
 std::vector<std::string> TrainOptions::Validate() const {
   Requirements r;
   r.Group("field", field.Validate());
-  r.Group("march", Violations(march));
+  r.Group("march", march.Validate());
   r.Range("threads", threads, 0, 1024);
   r.Range("patch_px", patch_px, 1, 16);
   r.Range("target_samples", target_samples, 1 << 8, 1 << 24);

@@ -8,7 +8,8 @@ namespace deja_view::nerf::internal {
 namespace {
 
 constexpr std::size_t kSamplesPerRound = 4;
-constexpr float kNudge = 1e-6F;  ///< beyond a face, in unit lengths
+constexpr float kNudge = 1e-6F;       ///< beyond a face, in unit lengths
+constexpr double kLeastSlope = 1e-6;  ///< below, rounding moves a crossing more than the ray does
 
 // Length to where the ray leaves the cube [low, low + size] of cells.
 float ExitOf(const Ray& ray, const std::array<int, 3>& low, int size, float cell) {
@@ -70,10 +71,9 @@ Ray MakeRay(const RadianceField& field,
   double end = std::numeric_limits<double>::max();
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     const double d = direction_N[axis];
-    ray.origin[static_cast<std::size_t>(axis)] = static_cast<float>(origin[axis]);
     ray.direction[static_cast<std::size_t>(axis)] = static_cast<float>(d);
     ray.inverse[static_cast<std::size_t>(axis)] =
-        std::abs(d) > 1e-9 ? static_cast<float>(1 / d) : 0.0F;
+        std::abs(d) > kLeastSlope ? static_cast<float>(1 / d) : 0.0F;
     if (std::abs(d) < 1e-12) {
       if (origin[axis] < 0 || origin[axis] > extent[axis]) {
         end = -1;
@@ -85,8 +85,12 @@ Ray MakeRay(const RadianceField& field,
     begin = std::max(begin, std::min(a, b));
     end = std::min(end, std::max(a, b));
   }
-  ray.begin = static_cast<float>(begin);
-  ray.end = static_cast<float>(end);
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    ray.origin[static_cast<std::size_t>(axis)] =
+        static_cast<float>(origin[axis] + begin * direction_N[axis]);
+  }
+  ray.before = static_cast<float>(begin);
+  ray.end = end > begin ? static_cast<float>(end - begin) : 0.0F;
   return ray;
 }
 
@@ -112,7 +116,7 @@ void RayTracer::March(const Ray& ray,
   std::size_t found = 0;
   float t = state->t;
   while (found < kSamplesPerRound && t < ray.end) {
-    std::array<int, 3> at;
+    std::array<int, 3> at{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const float p = ray.origin[axis] + (t + kNudge) * ray.direction[axis];
       at[axis] = std::clamp(static_cast<int>(p * scale), 0, grid.cells()[axis] - 1);
@@ -122,14 +126,14 @@ void RayTracer::March(const Ray& ray,
       t = std::max(t + kNudge, LeapOver(grid, index, at, ray, cell));
       continue;
     }
-    const float step =
-        options.step_factor *
-        std::clamp(t * options.march.cone_angle, options.march.min_step, options.march.max_step);
+    const float step = options.step_factor * std::clamp((ray.before + t) * options.march.cone_angle,
+                                                        options.march.min_step,
+                                                        options.march.max_step);
     const float dt = std::min(step, ray.end - t);
     const float middle = t + ray.jitter * dt;
     const std::size_t s = round_.count++;
     round_.ray[s] = number;
-    round_.t[s] = middle;
+    round_.t[s] = ray.before + middle;
     round_.dt[s] = dt;
     round_.x[s] = std::clamp(ray.origin[0] + middle * ray.direction[0], 0.0F, extent.x());
     round_.y[s] = std::clamp(ray.origin[1] + middle * ray.direction[1], 0.0F, extent.y());
@@ -297,8 +301,7 @@ void RayTracer::Run(const std::vector<Ray>& rays, const TraceOptions& options, T
   std::vector<State> states(rays.size());
   std::vector<std::uint32_t> active;
   for (std::size_t r = 0; r < rays.size(); ++r) {
-    states[r].t = rays[r].begin;
-    if (rays[r].end > rays[r].begin) {
+    if (rays[r].end > 0) {
       active.push_back(static_cast<std::uint32_t>(r));
     }
   }

@@ -11,15 +11,17 @@
 
 namespace deja_view::nerf::internal {
 
-/// A ray in unit coordinates; `direction` is a unit vector, t its length along it.
+/// A ray in unit coordinates, from where it enters the box, or begins within: so its lengths are at
+/// most the box's diagonal, which keeps them exact however far the camera is. `direction` is a unit
+/// vector.
 struct Ray {
-  std::array<float, 3> origin;
-  std::array<float, 3> direction;
-  std::array<float, 3> inverse;   ///< of the direction; 0: along this axis' faces
-  float begin = 0;                ///< where it enters the box
-  float end = 0;                  ///< where it leaves it; <= begin: it misses
-  float jitter = 0.5F;            ///< place of the samples within their steps, in [0, 1)
-  const float* latent = nullptr;  ///< of its image; null: zeros
+  std::array<float, 3> origin{};
+  std::array<float, 3> direction{};
+  std::array<float, 3> inverse{};  ///< of the direction; 0: along this axis' faces
+  float before = 0;                ///< length from the camera to the origin
+  float end = 0;                   ///< length to where it leaves the box; <= 0: it misses
+  float jitter = 0.5F;             ///< place of the samples within their steps, in [0, 1)
+  const float* latent = nullptr;   ///< of its image; null: zeros
 };
 
 /// Column of the colour network's input where the latent numbers begin.
@@ -36,7 +38,8 @@ Ray MakeRay(const RadianceField& field,
 struct Trace {
   std::vector<std::size_t> ray_begin;  ///< rays + 1 offsets into the samples
   std::vector<std::uint32_t> ray;
-  std::vector<float> t, dt, sigma;
+  std::vector<float> t;  ///< length from the camera
+  std::vector<float> dt, sigma;
   std::vector<float> weight;
   std::vector<float> after;  ///< transmittance behind the sample
   std::vector<float> x, y, z;
@@ -76,7 +79,7 @@ class RayTracer {
 
  private:
   struct State {
-    float t = 0;
+    float t = 0;  ///< length from the ray's origin
     float transmittance = 1;
     int samples = 0;
   };
@@ -89,7 +92,7 @@ class RayTracer {
     void Reserve(std::size_t most);  ///< and forget all
   };
 
-  void March(const Ray& ray, std::uint32_t index, const TraceOptions& options, State* state);
+  void March(const Ray& ray, std::uint32_t number, const TraceOptions& options, State* state);
   void EvaluateDensity();
   void Composite(const TraceOptions& options, std::vector<State>* states);
   void SortByRay(std::size_t rays, Trace* trace);

@@ -34,6 +34,12 @@ constexpr std::uint32_t kMaxHeader = 1U << 16U;
 constexpr std::uint32_t kMaxConnection = 1U << 26U;
 constexpr std::uint32_t kMaxIndex = 1U << 30U;
 
+// rosbag makes room for an unpacked chunk before it unpacks; its writers make chunks of 768 kB, or
+// of one message. LZ4 packs 255 bytes into one at best, BZ2 more where all are the same.
+constexpr std::uint32_t kMaxChunk = 1U << 30U;
+constexpr std::uint64_t kMaxRatio = 1100;
+constexpr std::uint64_t kAnyRatio = 1U << 24U;
+
 using Fields = std::map<std::string, std::string>;
 
 struct Record {
@@ -50,6 +56,7 @@ struct Chunk {
   std::uint32_t size = 0;                           // uncompressed
   std::map<std::uint32_t, std::uint32_t> messages;  // offset to connection
   int indices = 0;
+  bool is_listed = false;  // in the bag's index
 };
 
 class Checker {
@@ -216,6 +223,13 @@ class Checker {
     chunk.is_compressed = compression->second != "none";
     chunk.size = Number<std::uint32_t>(record, "size");
     Expect(chunk.is_compressed || chunk.size == record.size, record.start, "the chunk's true size");
+    const std::uint64_t most =
+        std::min<std::uint64_t>(kMaxChunk, std::max(kAnyRatio, kMaxRatio * record.size));
+    if (chunk.is_compressed && chunk.size > most) {
+      Fail(record.start,
+           fmt::format("a chunk of {} bytes unpacked", chunk.size),
+           fmt::format("at most {}", most));
+    }
     for (std::uint64_t at = record.data; !chunk.is_compressed && at < record.end();) {
       const Record inner = ReadRecord(at, record.end());
       if (inner.op == kMessage) {
@@ -274,6 +288,9 @@ class Checker {
     Expect(chunk != chunks_.end() && static_cast<std::uint64_t>(chunk->second.indices) == count,
            record.start,
            "a chunk and its indices");
+    // rosbag reads a chunk's indices for each time that it is listed.
+    Expect(!chunk->second.is_listed, record.start, "a chunk that is not listed yet");
+    chunk->second.is_listed = true;
   }
 
   void CheckReferences() const {

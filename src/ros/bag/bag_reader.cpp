@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "bag_check.hpp"
+#include "message_layout.hpp"
 
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
@@ -28,7 +29,29 @@ std::string ListTopics(const std::vector<BagReader::Topic>& topics) {
   return text.empty() ? "no topics at all" : text;
 }
 
+// Of the few types that this package reads.
+const internal::MessageLayout& LayoutOf(const std::string& type, const std::string& definition) {
+  thread_local std::map<std::string, internal::MessageLayout> layouts;
+  return layouts.try_emplace(type, type, definition).first->second;
+}
+
 }  // namespace
+
+void internal::CheckLengths(const rosbag::MessageInstance& instance,
+                            const std::string& type,
+                            const std::string& definition) {
+  std::vector<std::uint8_t> bytes(instance.size());
+  ros::serialization::OStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+  instance.write(stream);
+  const std::string overrun = LayoutOf(type, definition).FindOverrun(bytes.data(), bytes.size());
+  if (!overrun.empty()) {
+    throw ros::serialization::StreamOverrunException(
+        fmt::format("{}: a message of {} bytes whose field '{}' says it has more",
+                    instance.getTopic(),
+                    bytes.size(),
+                    overrun));
+  }
+}
 
 BagReader::BagReader(const std::filesystem::path& path)
     : path_(path), bag_(std::make_unique<rosbag::Bag>()) {

@@ -100,6 +100,16 @@ TEST_F(CheckpointTest, CellsThatMakeNoSenseAreAnError) {
   EXPECT_TRUE(is_refused({1, empty}));
 }
 
+TEST_F(CheckpointTest, StepsThatLeadNowhereAreAnError) {
+  RadianceField field = ReadField(WriteSample());
+  const fs::path path = directory() / "still";
+  for (const float step : {0.0F, -1.0F, 1e-9F, NAN}) {
+    field.march.min_step = step;
+    WriteField(path, field);
+    EXPECT_THROW(ReadField(path), InputError) << step;
+  }
+}
+
 TEST_F(CheckpointTest, FramesComeBackWithAndWithoutCells) {
   RadianceField field = ReadField(WriteSample());
   EXPECT_TRUE(field.frame.IsWorld());

@@ -89,6 +89,27 @@ TEST(RayTracer, OpaqueSphereIsHitAtItsSurface) {
   }
 }
 
+// Lengths of hundreds have no bits left for steps of a millionth.
+TEST(RayTracer, FarCamerasSeeWhatNearOnesDo) {
+  RadianceField field = ConstantField(3, 0.4F);
+  for (std::size_t i = 0; i < field.occupancy.cell_count(); ++i) {
+    field.occupancy.Set(i, field.occupancy.Cell(i)[0] % 3 == 1);
+  }
+  const Eigen::Vector3d aim(1, 0.5, 0);
+  for (const Eigen::Vector3d& from : {Eigen::Vector3d(-1, 0.2, 0.1),
+                                      Eigen::Vector3d(-1, 0.3, 1e-4),
+                                      Eigen::Vector3d(1e-3, -1, 1e-7)}) {
+    const Eigen::Vector3d back = from.normalized() * field.box.Size();
+    const Ray near_ray = MakeRay(field, aim + 2 * back, -back.normalized(), 0.5F);
+    const float light = TraceAll(field, {near_ray}).transmittance[0];
+    for (const double boxes : {50.0, 200.0, 1e4, 1e9}) {
+      const Trace trace =
+          TraceAll(field, {MakeRay(field, aim + boxes * back, -back.normalized(), 0.5F)});
+      EXPECT_NEAR(trace.transmittance[0], light, 0.02F) << boxes;
+    }
+  }
+}
+
 TEST(RayTracer, WeightsSumToAtMostOne) {
   const RadianceField untrained(SmallFieldOptions(), {}, ConstantField(1, 0.5F).box, 1, 5);
   std::mt19937 rng(3);

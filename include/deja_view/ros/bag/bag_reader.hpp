@@ -70,18 +70,28 @@ class BagReader {
   std::vector<Topic> topics_;
 };
 
+namespace internal {
+/// Throws ros::Exception when lengths in the message, which is of the type and definition, say more
+/// than it has bytes.
+void CheckLengths(const rosbag::MessageInstance& instance,
+                  const std::string& type,
+                  const std::string& definition);
+}  // namespace internal
+
 /// The message as `Message`. Throws InputError, naming the topic and both types, when it is of
-/// another.
+/// another, and ros::Exception, as roscpp, when it is cut off.
 template <typename Message>
 boost::shared_ptr<const Message> Instantiate(const rosbag::MessageInstance& instance) {
-  boost::shared_ptr<const Message> message = instance.instantiate<Message>();
-  if (message == nullptr) {
+  if (!instance.isType<Message>()) {
     ThrowInputError("{}: message of type {}: expected {}",
                     instance.getTopic(),
                     instance.getDataType(),
                     ros::message_traits::datatype<Message>());
   }
-  return message;
+  internal::CheckLengths(instance,
+                         ros::message_traits::datatype<Message>(),
+                         ros::message_traits::definition<Message>());
+  return instance.instantiate<Message>();
 }
 
 }  // namespace deja_view

@@ -75,6 +75,9 @@ struct MarchOptions {
     v("min_transmittance", min_transmittance);
     v("max_samples", max_samples);
   }
+
+  /// Violations, one line each.
+  std::vector<std::string> Validate() const;
 };
 
 /// How a field is trained.

@@ -1,6 +1,7 @@
 #include "deja_view/ros/bag/bag_reader.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
@@ -9,6 +10,8 @@
 
 #include "bag_fixture.hpp"
 #include <gmock/gmock.h>
+
+#include <rosbag/bag.h>
 
 namespace deja_view {
 namespace {
@@ -82,6 +85,65 @@ TEST_F(BagReaderTest, TellsAnUnclosedBagFromABrokenOne) {
   const BagWriter unclosed(Path("b.bag"));
   EXPECT_THAT(ErrorOf([&] { BagReader(Path("b.bag.tmp" + std::to_string(::getpid()))); }),
               HasSubstr("rosbag reindex"));
+}
+
+// Overwrites bytes from the first place of `mark` on.
+void Alter(const fs::path& path, const std::string& mark, std::size_t after, std::uint32_t value) {
+  std::ifstream in(path, std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  const std::size_t at = bytes.find(mark);
+  ASSERT_NE(at, std::string::npos);
+  std::memcpy(&bytes[at + after], &value, sizeof(value));
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+TEST_F(BagReaderTest, MakesNoRoomForWhatAMessageDoesNotHave) {
+  const fs::path path = WriteFlight("a.bag", 3);
+  // The lengths of encoding and data are around it: is_bigendian and step lie between.
+  Alter(path, "mono8", 5 + 1 + 4, 0xF0000000);
+  const BagReader bag(path);
+  EXPECT_THAT(ErrorOf([&] {
+                bag.Read({"/cam0/image_raw"}, [](const rosbag::MessageInstance& instance) {
+                  Instantiate<sensor_msgs::Image>(instance);
+                });
+              }),
+              AllOf(HasSubstr("a.bag"), HasSubstr("/cam0/image_raw"), HasSubstr("'data'")));
+}
+
+TEST_F(BagReaderTest, MakesNoRoomForWhatAChunkCanNotHold) {
+  for (const auto kind : {rosbag::compression::BZ2, rosbag::compression::LZ4}) {
+    rosbag::Bag packed;
+    packed.open(Path("packed.bag").string(), rosbag::bagmode::Write);
+    packed.setCompression(kind);
+    packed.write("/image", ToRosTime(kStart), MakeImage(kStart, 7));
+    packed.close();
+    EXPECT_EQ(BagReader(Path("packed.bag")).topics().size(), 1U);
+    Alter(Path("packed.bag"), "size=", 5, 0xF0000000);
+    EXPECT_THAT(ErrorOf([&] { BagReader(Path("packed.bag")); }),
+                AllOf(HasSubstr("packed.bag"), HasSubstr("unpacked")));
+  }
+}
+
+// Each listing would have its index read anew.
+TEST_F(BagReaderTest, AChunkIsListedOnce) {
+  rosbag::Bag bag;
+  bag.open(Path("two.bag").string(), rosbag::bagmode::Write);
+  bag.setChunkThreshold(100);
+  for (int i = 0; i < 2; ++i) {
+    bag.write("/image", ToRosTime(kStart + i), MakeImage(kStart + i, 7));
+  }
+  bag.close();
+  EXPECT_EQ(BagReader(Path("two.bag")).topics().size(), 1U);
+  std::ifstream in(Path("two.bag"), std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  const std::string name = "chunk_pos=";
+  const std::size_t first = bytes.find(name);
+  const std::size_t second = bytes.find(name, first + 1);
+  ASSERT_NE(second, std::string::npos);
+  bytes.replace(second, name.size() + 8, bytes, first, name.size() + 8);
+  std::ofstream(Path("two.bag"), std::ios::binary) << bytes;
+  EXPECT_THAT(ErrorOf([&] { BagReader(Path("two.bag")); }),
+              AllOf(HasSubstr("two.bag"), HasSubstr("not listed yet")));
 }
 
 TEST_F(BagReaderTest, EveryTruncationIsAnError) {
