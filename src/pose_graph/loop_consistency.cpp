@@ -31,6 +31,8 @@ std::vector<std::string> LoopConsistencyOptions::Validate() const {
   at_least("min_span_over_depth", min_span_over_depth, 0);
   at_least("same_place_over_depth", same_place_over_depth, 0);
   at_least("max_rival_ratio", max_rival_ratio, 0);
+  at_least("rival_over_depth", rival_over_depth, 0);
+  at_least("rival_yaw_deg", rival_yaw_deg, 0);
   at_least("span_window", span_window, 1);
   at_least("window", window, 1);
   positive("max_path_over_depth", max_path_over_depth);
@@ -85,6 +87,9 @@ LoopConsistency::Comparison LoopConsistency::Compare(const PoseGraphLoop& a,
       (a.covariance.topLeftCorner<3, 3>() + b.covariance.topLeftCorner<3, 3>()).trace() / 3;
   const double limit = options_.max_sigmas * options_.max_sigmas;
   result.agrees = dt.squaredNorm() < 3.0 * limit * variance && dpsi * dpsi < limit * yaw_variance;
+  const double depth = std::min(a.scene_depth, b.scene_depth);
+  result.rivals = !result.agrees && (dt.norm() > options_.rival_over_depth * depth ||
+                                     std::abs(dpsi) > kDegree * options_.rival_yaw_deg);
   return result;
 }
 
@@ -157,9 +162,9 @@ LoopConsistency::Evidence LoopConsistency::Gather(const Entry& entry,
     if (!c.is_comparable) {
       continue;
     }
-    if (!c.agrees) {
+    if (c.rivals) {
       evidence.rivals.push_back(i);
-    } else if (other.loop.to != entry.loop.to) {
+    } else if (c.agrees && other.loop.to != entry.loop.to) {
       evidence.agreeing.push_back(i);
       first = std::min(first, other.loop.to);
       last = std::max(last, other.loop.to);

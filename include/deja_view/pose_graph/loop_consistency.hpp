@@ -19,9 +19,13 @@ struct LoopConsistencyOptions {
   double min_span_over_depth = 0.3;  ///< of the flight over which they must spread
   /// Loops whose both ends lie within this see the same two places: they are one witness.
   double same_place_over_depth = 0.02;
-  double max_rival_ratio = 0.5;  ///< joining: contradicting (believed or not) over agreeing loops
-  int span_window = 300;         ///< newest verified loops that are looked at for that
-  int window = 60;               ///< newest verified loops that a new one is compared with
+  double max_rival_ratio = 0.5;  ///< joining: rivals (believed or not) over agreeing loops
+  // A rival puts the worlds elsewhere, by more than a loop that is merely imprecise: by so much
+  // over the scene's depth, or turned by so much.
+  double rival_over_depth = 0.15;
+  double rival_yaw_deg = 10.0;
+  int span_window = 300;             ///< newest verified loops that are looked at for that
+  int window = 60;                   ///< newest verified loops that a new one is compared with
   double max_path_over_depth = 3.0;  ///< of odometry on either side between two compared loops
   double max_sigmas = 3.5;           ///< of the difference, per axis and yaw
   // Drift that a single loop may claim against the corrected trajectory.
@@ -38,6 +42,8 @@ struct LoopConsistencyOptions {
     v("min_span_over_depth", min_span_over_depth);
     v("same_place_over_depth", same_place_over_depth);
     v("max_rival_ratio", max_rival_ratio);
+    v("rival_over_depth", rival_over_depth);
+    v("rival_yaw_deg", rival_yaw_deg);
     v("span_window", span_window);
     v("window", window);
     v("max_path_over_depth", max_path_over_depth);
@@ -84,6 +90,7 @@ class LoopConsistency {
   struct Comparison {
     bool is_comparable = false;
     bool agrees = false;
+    bool rivals = false;  ///< puts the worlds elsewhere
   };
   Comparison Compare(const PoseGraphLoop& a, const PoseGraphLoop& b, const PoseGraph& graph) const;
 

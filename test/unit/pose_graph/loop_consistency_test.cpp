@@ -186,6 +186,28 @@ TEST(LoopConsistency, LoopsThatJoinMustHaveFewRivals) {
   }
 }
 
+TEST(LoopConsistency, ImpreciseLoopsAreNoRivals) {
+  // Of 5 m of depth: 0.5 m are within 0.15 of it, 1 m is not; 8 and 12 degrees alike.
+  const auto turn = [](double degrees) {
+    const Rigid3 T{FromYaw(degrees * kDegree), {0, 0, 0}};
+    return Rigid3{T.q, Truth(2).t - T.q * Truth(2).t};  // about one of the places
+  };
+  const auto joins = [](const Rigid3& error) {
+    PoseGraph graph = MakeTwoWorlds();
+    LoopConsistencyOptions options;
+    options.min_span_over_depth = 0.4;
+    LoopConsistency consistency(options);
+    for (int i = 0; i < 6; ++i) {
+      consistency.Add(WrongLoop(i, i + kPerRound, error), 100 + i, graph);
+    }
+    return !AddTrueLoops({4, 5, 7, 9, 11, 13, 15}, &consistency, &graph).empty();
+  };
+  EXPECT_TRUE(joins({Eigen::Quaterniond::Identity(), {0, 0.5, 0}}));
+  EXPECT_FALSE(joins({Eigen::Quaterniond::Identity(), {0, 1.0, 0}}));
+  EXPECT_TRUE(joins(turn(8)));
+  EXPECT_FALSE(joins(turn(12)));
+}
+
 /// A loop so uncertain that it agrees with all must not bring in a wrong one.
 TEST(LoopConsistency, LoopsThatJoinMustAgreeAmongThemselves) {
   for (const bool is_wrong : {false, true}) {
