@@ -48,9 +48,10 @@ inline std::shared_ptr<const Vocabulary> FlightVocabulary() {
   return vocabulary;
 }
 
-inline LoopCloser MakeCloser(std::uint64_t session) {
+inline LoopCloser MakeCloser(std::uint64_t session,
+                             const LoopCloserOptions& options = FlightOptions()) {
   const sim::RecordedFlight& flight = SmallFlight(session);
-  return {FlightOptions(), flight.camera, flight.T_B_C, FlightVocabulary()};
+  return {options, flight.camera, flight.T_B_C, FlightVocabulary()};
 }
 
 /// What came of a flight.
