@@ -52,7 +52,7 @@ std::shared_ptr<const Camera> ReadKannalaBrandt(const YamlSection& root,
   return std::make_shared<KannalaBrandtCamera>(p);
 }
 
-std::shared_ptr<const Camera> ReadCamera(const YamlSection& root) {
+std::shared_ptr<const Camera> ReadOrbSlamCamera(const YamlSection& root) {
   constexpr const char* kTypes = "PinHole, KannalaBrandt8 or Rectified";
   // Before version 1.0 the first camera had no number.
   const bool is_old = root.Has("Camera.fx") && !root.Has("Camera1.fx");
@@ -71,7 +71,7 @@ std::shared_ptr<const Camera> ReadCamera(const YamlSection& root) {
 
 CameraFile ReadOrbSlamSettings(const YamlSection& root) {
   CameraFile file;
-  file.camera = ReadCamera(root);
+  file.camera = ReadOrbSlamCamera(root);
   const bool is_old = root.Has("Tbc") && !root.Has("IMU.T_b_c1");
   file.T_B_C = root.GetTransform(is_old ? "Tbc" : "IMU.T_b_c1");
   return file;
