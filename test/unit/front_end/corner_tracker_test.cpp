@@ -8,15 +8,15 @@
 namespace deja_view {
 namespace {
 
-constexpr int kWidth = 320;
-constexpr int kHeight = 240;
+constexpr int kViewWidth = 320;
+constexpr int kViewHeight = 240;
 
 class CornerTrackerTest : public ::testing::Test {
  protected:
   /// What a camera sees that has moved `x` pixels to the right.
-  cv::Mat View(int x) const { return wall_(cv::Rect(x, 0, kWidth, kHeight)).clone(); }
+  cv::Mat View(int x) const { return wall_(cv::Rect(x, 0, kViewWidth, kViewHeight)).clone(); }
 
-  cv::Mat wall_ = test::SyntheticImage(3 * kWidth, kHeight, 5);
+  cv::Mat wall_ = test::SyntheticImage(3 * kViewWidth, kViewHeight, 5);
 };
 
 std::map<std::int64_t, cv::Point2f> ById(const TrackedCorners& corners) {
@@ -58,7 +58,7 @@ TEST_F(CornerTrackerTest, KeepsItsDistanceAndItsNumber) {
 TEST_F(CornerTrackerTest, LosesWhatIsNotThereAnyMore) {
   CornerTracker tracker({});
   const auto before = ById(tracker.Add(View(0)));
-  const auto after = ById(tracker.Add(View(2 * kWidth)));
+  const auto after = ById(tracker.Add(View(2 * kViewWidth)));
   std::size_t common = 0;
   for (const auto& entry : after) {
     common += before.count(entry.first);
@@ -75,7 +75,7 @@ TEST_F(CornerTrackerTest, StartsAnewWithIdsThatGoOn) {
 
 TEST_F(CornerTrackerTest, FindsNothingOnABlankWall) {
   CornerTracker tracker({});
-  EXPECT_TRUE(tracker.Add(cv::Mat(kHeight, kWidth, CV_8UC1, cv::Scalar(90))).ids.empty());
+  EXPECT_TRUE(tracker.Add(cv::Mat(kViewHeight, kViewWidth, CV_8UC1, cv::Scalar(90))).ids.empty());
 }
 
 }  // namespace
