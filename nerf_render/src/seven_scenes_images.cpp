@@ -1,4 +1,5 @@
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/input_file.hpp"
 #include "deja_view/camera/pinhole_camera.hpp"
 #include "deja_view/nerf/image_readers.hpp"
 
@@ -20,7 +21,7 @@ namespace fs = std::filesystem;
 
 template <int Size>
 Eigen::Matrix<double, Size, Size> ReadMatrix(const fs::path& path) {
-  std::ifstream stream(path);
+  std::ifstream stream = OpenInputFile(path);
   Eigen::Matrix<double, Size, Size> matrix;
   for (Eigen::Index row = 0; row < Size; ++row) {
     for (Eigen::Index column = 0; column < Size; ++column) {

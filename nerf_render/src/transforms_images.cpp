@@ -1,4 +1,5 @@
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/input_file.hpp"
 #include "deja_view/camera/kannala_brandt_camera.hpp"
 #include "deja_view/camera/pinhole_camera.hpp"
 #include "deja_view/io/image_names.hpp"
@@ -6,9 +7,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <fstream>
 #include <map>
 #include <optional>
@@ -185,10 +184,7 @@ Rigid3 ReadPose(const Keys& keys) {
 }
 
 Json ReadJson(const fs::path& path) {
-  std::ifstream stream(path);
-  if (!stream || fs::is_directory(path)) {
-    ThrowInputError("{}: can't be opened: {}", path.string(), std::strerror(errno));
-  }
+  std::ifstream stream = OpenInputFile(path);
   Json root = Json::parse(stream, nullptr, false);
   const auto frames = root.is_object() ? root.find("frames") : root.end();
   if (!root.is_object() || frames == root.end() || !frames->is_array() || frames->empty()) {

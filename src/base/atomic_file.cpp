@@ -32,6 +32,9 @@ void WriteFileAtomically(const fs::path& path, const std::function<void(std::ost
   std::error_code error;
   if (path.has_parent_path()) {
     fs::create_directories(path.parent_path(), error);
+    if (error) {
+      ThrowInputError("{}: can't be written: {}", path.string(), error.message());
+    }
   }
   const fs::path temporary = path.string() + ".tmp" + std::to_string(::getpid());
   try {
@@ -48,7 +51,7 @@ void WriteFileAtomically(const fs::path& path, const std::function<void(std::ost
     fs::rename(temporary, path);
   } catch (const fs::filesystem_error& e) {
     fs::remove(temporary, error);
-    ThrowInputError("{}: can't be renamed into place: {}", path.string(), e.what());
+    ThrowInputError("{}: can't be renamed into place: {}", path.string(), e.code().message());
   } catch (...) {
     fs::remove(temporary, error);
     throw;

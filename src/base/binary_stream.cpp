@@ -1,6 +1,7 @@
 #include "deja_view/base/binary_stream.hpp"
 
 #include "deja_view/base/atomic_file.hpp"
+#include "deja_view/base/input_file.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -50,10 +51,7 @@ void WriteBinaryFile(const std::filesystem::path& path,
 }
 
 BinaryReader::BinaryReader(const std::filesystem::path& path, const BinaryFormat& format)
-    : path_(path.string()), stream_(path, std::ios::binary | std::ios::ate) {
-  if (!stream_) {
-    ThrowInputError("{}: can't be read; expected {}", path_, format.what);
-  }
+    : path_(path.string()), stream_(OpenInputFile(path, std::ios::binary | std::ios::ate)) {
   const auto file_size = static_cast<std::uint64_t>(stream_.tellg());
   stream_.seekg(0);
   Header header{};

@@ -1,6 +1,7 @@
 #include "deja_view/base/hash.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/input_file.hpp"
 
 #include <array>
 #include <fstream>
@@ -43,10 +44,7 @@ std::uint64_t Hasher64::value() const {
 }
 
 std::uint64_t Hash64OfFile(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in || std::filesystem::is_directory(path)) {
-    ThrowInputError("{}: can't be read", path.string());
-  }
+  std::ifstream in = OpenInputFile(path, std::ios::binary);
   Hasher64 hasher;
   std::array<char, 1 << 16> block{};
   while (in.read(block.data(), block.size()) || in.gcount() > 0) {

@@ -1,6 +1,7 @@
 #include "deja_view/features/brief_pattern.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/input_file.hpp"
 
 #include <algorithm>
 #include <cstdlib>
@@ -56,9 +57,7 @@ const BriefPattern& DefaultBriefPattern() {
 }
 
 BriefPattern ReadBriefPattern(const std::filesystem::path& path) {
-  if (!std::ifstream(path)) {
-    ThrowInputError("{}: can't be opened", path.string());
-  }
+  CheckInputFile(path);
   try {
     const cv::FileStorage storage(path.string(), cv::FileStorage::READ);
     const std::vector<std::int8_t> x1 = ReadList(path, storage, "x1");

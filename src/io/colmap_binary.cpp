@@ -1,6 +1,6 @@
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/input_file.hpp"
 
-#include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -18,10 +18,7 @@ namespace fs = std::filesystem;
 class Records {
  public:
   explicit Records(const fs::path& path) : path_(path) {
-    std::ifstream stream(path, std::ios::binary);
-    if (!stream) {
-      ThrowInputError("{}: can't be opened: {}", path.string(), std::strerror(errno));
-    }
+    std::ifstream stream = OpenInputFile(path, std::ios::binary);
     bytes_.assign(std::istreambuf_iterator<char>(stream), {});
   }
 

@@ -1,8 +1,7 @@
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/input_file.hpp"
 
-#include <cerrno>
 #include <charconv>
-#include <cstring>
 #include <fstream>
 #include <optional>
 #include <sstream>
@@ -18,11 +17,7 @@ namespace fs = std::filesystem;
 // A text file, line by line, and its errors.
 class Lines {
  public:
-  explicit Lines(const fs::path& path) : path_(path), stream_(path) {
-    if (!stream_) {
-      ThrowInputError("{}: can't be opened: {}", path.string(), std::strerror(errno));
-    }
-  }
+  explicit Lines(const fs::path& path) : path_(path), stream_(OpenInputFile(path)) {}
 
   // The next line that is neither empty nor a comment, in words; false at the end.
   bool NextRecord(std::vector<std::string>* words) {

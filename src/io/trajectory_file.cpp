@@ -1,13 +1,12 @@
 #include "deja_view/io/trajectory_file.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/input_file.hpp"
 #include "deja_view/io/colmap.hpp"
 #include "deja_view/io/tum.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
-#include <cstring>
 #include <fstream>
 #include <optional>
 #include <vector>
@@ -62,17 +61,9 @@ std::optional<Row> ParseRow(const std::vector<std::string>& cells) {
   return row;
 }
 
-std::ifstream Open(const fs::path& path) {
-  std::ifstream stream(path);
-  if (!stream || fs::is_directory(path)) {
-    ThrowInputError("{}: can't be opened: {}", path.string(), std::strerror(errno));
-  }
-  return stream;
-}
-
 // True when the first line that is no comment has commas.
 bool HasCommas(const fs::path& path) {
-  std::ifstream stream = Open(path);
+  std::ifstream stream = OpenInputFile(path);
   for (std::string line; std::getline(stream, line);) {
     const std::size_t first = line.find_first_not_of(" \t\r");
     if (first != std::string::npos && line[first] != '#') {
@@ -98,7 +89,7 @@ fs::path FindAslTruth(const fs::path& directory) {
 }  // namespace
 
 Trajectory ReadCsvTrajectory(const fs::path& path) {
-  std::ifstream stream = Open(path);
+  std::ifstream stream = OpenInputFile(path);
   Trajectory trajectory;
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {

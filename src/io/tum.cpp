@@ -2,11 +2,10 @@
 
 #include "deja_view/base/atomic_file.hpp"
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/input_file.hpp"
 #include "deja_view/io/seconds.hpp"
 
 #include <array>
-#include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <optional>
 #include <sstream>
@@ -49,10 +48,7 @@ std::vector<std::string> SplitWords(const std::string& line) {
 }  // namespace
 
 Trajectory ReadTum(const std::filesystem::path& path) {
-  std::ifstream stream(path);
-  if (!stream || std::filesystem::is_directory(path)) {
-    ThrowInputError("{}: can't be opened: {}", path.string(), std::strerror(errno));
-  }
+  std::ifstream stream = OpenInputFile(path);
   Trajectory trajectory;
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {

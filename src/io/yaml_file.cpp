@@ -1,8 +1,8 @@
 #include "yaml_file.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/input_file.hpp"
 
-#include <cerrno>
 #include <cstring>
 #include <fstream>
 #include <sstream>
@@ -14,13 +14,7 @@ std::string Where(const std::string& path, const YAML::Mark& mark) {
 }
 
 YAML::Node LoadYamlMap(const std::filesystem::path& path) {
-  if (std::filesystem::is_directory(path)) {
-    ThrowInputError("{}: expected a YAML file, found a directory", path.string());
-  }
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) {
-    ThrowInputError("{}: can't be opened: {}", path.string(), std::strerror(errno));
-  }
+  const std::ifstream stream = OpenInputFile(path, std::ios::binary);
   std::ostringstream buffer;
   buffer << stream.rdbuf();
   return ParseYamlMap(buffer.str(), path.string());

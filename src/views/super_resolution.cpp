@@ -1,6 +1,7 @@
 #include "super_resolution.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/input_file.hpp"
 
 #include <algorithm>
 #include <vector>
@@ -17,10 +18,7 @@ namespace {
 constexpr int kRim = 8;
 
 cv::dnn::Net ReadNetwork(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) {
-    ThrowInputError("{}: no such file: expected a network, .pb or .onnx", path.string());
-  }
+  CheckInputFile(path);
   cv::dnn::Net network;
   try {
     network = cv::dnn::readNet(path.string());

@@ -1,6 +1,7 @@
 #include "mapped_file.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/input_file.hpp"
 
 #include <cerrno>
 #include <cstring>
@@ -14,6 +15,7 @@
 namespace deja_view::internal {
 
 MappedFile::MappedFile(const std::filesystem::path& path) {
+  CheckInputFile(path);
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (file < 0) {
     ThrowInputError("{}: can't be opened: {}", path.string(), std::strerror(errno));

@@ -95,6 +95,13 @@ class PersistenceTest(unittest.TestCase):
         for name in ("", "..", "../hall", "/tmp/hall", "a/b", ".hall"):
             self.assertFalse(self.call("save_map", name).success, name)
         self.assertFalse(self.call("load_map", "nowhere").success)
+        for name, make, told in (("folder", os.makedirs, "is a directory"), ("pipe", os.mkfifo, "is a pipe")):
+            os.makedirs(os.path.join(self.directory, "maps", name), exist_ok=True)
+            make(os.path.join(self.directory, "maps", name, "map.dvm"))
+            refused = self.call("load_map", name)
+            self.assertFalse(refused.success, name)
+            self.assertIn(told, refused.message)
+            shutil.rmtree(os.path.join(self.directory, "maps", name))
         refused = self.call("load_map", "hall")
         self.assertFalse(refused.success)
         self.assertIn("load a map before the first one", refused.message)

@@ -1,4 +1,5 @@
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/input_file.hpp"
 #include "deja_view/io/tum.hpp"
 #include "deja_view/lab/report/run.hpp"
 
@@ -126,10 +127,10 @@ std::string LastName(const fs::path& directory) {
 }  // namespace
 
 std::vector<LoopRecord> ReadLoops(const fs::path& path) {
-  std::ifstream file(path);
+  std::ifstream file = OpenInputFile(path);
   std::string line;
-  if (!file || !std::getline(file, line)) {
-    ThrowInputError("{}: can't be read, or is empty; expected a CSV file of loops", path.string());
+  if (!std::getline(file, line)) {
+    ThrowInputError("{}: is empty; expected a CSV file of loops", path.string());
   }
   const std::vector<std::string> header = Split(line);
   const std::vector<int> order = ColumnOrder(path, header);

@@ -1,5 +1,7 @@
 #include "deja_view/ros/bag/bag_reader.hpp"
 
+#include "deja_view/base/input_file.hpp"
+
 #include <algorithm>
 #include <exception>
 #include <map>
@@ -55,10 +57,7 @@ void internal::CheckLengths(const rosbag::MessageInstance& instance,
 
 BagReader::BagReader(const std::filesystem::path& path)
     : path_(path), bag_(std::make_unique<rosbag::Bag>()) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) {
-    ThrowInputError("{}: no such file: expected a ROS bag", path.string());
-  }
+  CheckInputFile(path);
   internal::CheckBag(path);
   try {
     bag_->open(path.string(), rosbag::bagmode::Read);

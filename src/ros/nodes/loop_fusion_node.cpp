@@ -105,7 +105,7 @@ void LoopFusionNode::LoadAtStart() {
     Load(maps_.ResolveExisting(parameters_.load_map_at_start));
   } else if (vins_.load_previous_pose_graph) {
     const auto previous = maps_.Resolve(NodeParameters::kPreviousMap);
-    if (std::filesystem::exists(previous)) {
+    if (std::error_code error; std::filesystem::exists(previous, error)) {
       Load(previous);
     } else {
       ROS_WARN("load_previous_pose_graph: there is no %s yet, starting without a map",

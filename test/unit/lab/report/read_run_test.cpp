@@ -92,7 +92,7 @@ TEST_F(ReadRunTest, NamesWhatIsWrongInLoops) {
   WriteLoops("", "stamp_current_ns\n");
   EXPECT_THAT(Error(), HasSubstr("loops.csv:1: expected a column stamp_old_ns"));
   fs::remove(directory_ / "loops.csv");
-  EXPECT_THAT(Error(), HasSubstr("loops.csv: can't be read"));
+  EXPECT_THAT(Error(), HasSubstr("loops.csv: can't be opened"));
 }
 
 TEST_F(ReadRunTest, RefusesTrajectoriesOfDifferentRuns) {
