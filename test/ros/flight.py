@@ -66,6 +66,15 @@ class Flight:
             for other_topic, other in edit(topic, message) if edit else [(topic, message)]:
                 self.publishers[other_topic].publish(other)
 
+    def true_position(self, stamp):
+        return np.array([np.interp(stamp.to_sec(), self.truth_stamps, self.truth[:, axis]) for axis in range(3)])
+
+    def loop_error(self, loop):
+        """How much the distance that a LoopConstraint finds is off the true one [m]."""
+        p = loop.relative_pose.pose.position
+        true = self.true_position(loop.stamp_current) - self.true_position(loop.stamp_old)
+        return abs(np.linalg.norm([p.x, p.y, p.z]) - np.linalg.norm(true))
+
     def ape(self, path):
         """Mean absolute position error [m] of a nav_msgs/Path after alignment in position and yaw."""
         stamps = np.array([p.header.stamp.to_sec() for p in path.poses])
