@@ -12,10 +12,10 @@ namespace deja_view {
 namespace {
 
 // Stamps that odometries compute as double seconds are rounded by up to this.
-constexpr std::int64_t kStampTolerance_ns = 200;
+constexpr std::int64_t kStampToleranceNs = 200;
 
 // Poses that go back by less are out of order; images of the time before are waited for no more.
-constexpr std::int64_t kPoseMemory_ns = 10'000'000'000;
+constexpr std::int64_t kPoseMemoryNs = 10'000'000'000;
 
 // Fewer common corners say nothing of the motion: it was large.
 constexpr std::size_t kFewCorners = 20;
@@ -106,7 +106,7 @@ void OdometryFrontEnd::AddPose(std::int64_t stamp_ns, const Rigid3& T_W_B) {
     suspect_.reset();
     poses_.push_back(pose);
   }
-  while (poses_.back().stamp_ns - poses_.front().stamp_ns > kPoseMemory_ns) {
+  while (poses_.back().stamp_ns - poses_.front().stamp_ns > kPoseMemoryNs) {
     poses_.pop_front();
   }
   FollowWaiting();
@@ -133,7 +133,7 @@ void OdometryFrontEnd::Restart(const Pose& first) {
 
 void OdometryFrontEnd::FollowWaiting() {
   while (!waiting_.empty() && !poses_.empty() &&
-         waiting_.front().stamp_ns <= poses_.back().stamp_ns + kStampTolerance_ns) {
+         waiting_.front().stamp_ns <= poses_.back().stamp_ns + kStampToleranceNs) {
     const WaitingImage waiting = std::move(waiting_.front());
     waiting_.pop_front();
     waiting_bytes_ -= waiting.bytes;
@@ -152,13 +152,13 @@ void OdometryFrontEnd::FollowWaiting() {
 
 std::optional<Rigid3> OdometryFrontEnd::PoseAt(std::int64_t stamp_ns) const {
   const auto after = std::lower_bound(
-      poses_.begin(), poses_.end(), stamp_ns - kStampTolerance_ns, [](const Pose& p, auto stamp) {
+      poses_.begin(), poses_.end(), stamp_ns - kStampToleranceNs, [](const Pose& p, auto stamp) {
         return p.stamp_ns < stamp;
       });
   if (after == poses_.end()) {
     return std::nullopt;
   }
-  if (after->stamp_ns <= stamp_ns + kStampTolerance_ns) {
+  if (after->stamp_ns <= stamp_ns + kStampToleranceNs) {
     return after->T_W_B;
   }
   if (after == poses_.begin()) {

@@ -39,12 +39,12 @@ class FrontEndThread {
 
  private:
   struct Image {
-    std::int64_t stamp_ns;
+    std::int64_t stamp_ns = 0;
     ImageSource source;
-    std::size_t bytes;
+    std::size_t bytes = 0;
   };
   struct Pose {
-    std::int64_t stamp_ns;
+    std::int64_t stamp_ns = 0;
     Rigid3 T_W_B;
   };
   using Task = std::variant<Image, Pose>;

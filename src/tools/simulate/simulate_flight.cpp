@@ -60,9 +60,9 @@ class PendingDirectory {
 };
 
 /// Writes images and ranges, counts, and passes everything on to the bag.
-class FlightFiles : public sim::FlightSink {
+class RecordedFiles : public sim::FlightSink {
  public:
-  FlightFiles(const sim::Simulator& simulator, const SimulateRequest& request)
+  RecordedFiles(const sim::Simulator& simulator, const SimulateRequest& request)
       : simulator_(simulator), extension_(request.images) {
     if (extension_ != "none") {
       images_.emplace(request.out / "images");
@@ -182,7 +182,7 @@ nlohmann::ordered_json RunSimulate(const SimulateRequest& unfinished_request) {
   const auto begin = std::chrono::steady_clock::now();
   const sim::SimOptions options = ReadSimOptions(request);
   const sim::Simulator simulator(options);
-  FlightFiles files(simulator, request);
+  RecordedFiles files(simulator, request);
   std::optional<Progress> progress;
   if (request.show_progress) {
     progress.emplace("simulate", "images", simulator.image_count());
