@@ -1,6 +1,7 @@
 #include "deja_view/ros/nodes/loop_fusion_node.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/input_file.hpp"
 #include "deja_view/fusion/result_files.hpp"
 #include "deja_view/io/options_yaml.hpp"
 #include "deja_view/ros/messages/any_pose.hpp"
@@ -285,6 +286,7 @@ bool LoopFusionNode::LoadMap(NamedMap::Request& request, NamedMap::Response& res
 }
 
 void LoopFusionNode::Load(const std::filesystem::path& map) {
+  CheckInputFile(map / "map.dvm");  // before what else is wrong
   const int keyframes = fusion_->WithLoopCloser([this, &map](LoopCloser& closer) {
     if (const int flown = closer.keyframe_count() - first_own_keyframe_; flown > 0) {
       ThrowInputError(
