@@ -226,10 +226,9 @@ void LoopFusionNode::OnExtrinsic(const nav_msgs::OdometryConstPtr& message) {
 }
 
 void LoopFusionNode::OnAnyPose(const topic_tools::ShapeShifter::ConstPtr& message) {
-  const std::string& topic = parameters_.topics.odometry;
-  const auto pose = FromAnyPose(*message, topic);
+  const auto pose = FromAnyPose(*message, parameters_.topics.odometry);
   if (!pose) {
-    ROS_INFO_ONCE("%s: the odometry is not initialised yet", topic.c_str());
+    ROS_INFO_ONCE("%s: not initialised yet", parameters_.topics.odometry.c_str());
     return;
   }
   fusion_->AddOdometry(pose->stamp_ns, pose->pose);
