@@ -33,7 +33,7 @@ share_of_work() {
 }
 
 # configure DIRECTORY [CMake arguments...]: quiet unless it fails; keeps what was chosen before. A new folder compiles
-# files eight at a time, which halves the time of a whole build; for work on the sources, -DCMAKE_UNITY_BUILD=OFF.
+# files eight at a time, which is less work in all; for work on the sources, -DCMAKE_UNITY_BUILD=OFF.
 configure() {
   local directory=$1
   shift

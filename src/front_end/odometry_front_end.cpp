@@ -78,7 +78,12 @@ OdometryFrontEnd::OdometryFrontEnd(const FrontEndSetup& setup,
 
 void OdometryFrontEnd::AddImage(std::int64_t stamp_ns, ImageSource image, std::size_t bytes) {
   ++counts_.images;
-  waiting_.push_back({stamp_ns, std::move(image), bytes});
+  // By stamp, so that a stray one that lies in the future holds up nothing.
+  const auto later = std::upper_bound(
+      waiting_.begin(), waiting_.end(), stamp_ns, [](std::int64_t stamp, const WaitingImage& w) {
+        return stamp < w.stamp_ns;
+      });
+  waiting_.insert(later, {stamp_ns, std::move(image), bytes});
   waiting_bytes_ += bytes;
   while (static_cast<double>(waiting_bytes_) > 1e6 * options_.image_memory_mb) {
     ++counts_.overflows;
@@ -93,7 +98,7 @@ void OdometryFrontEnd::AddImage(std::int64_t stamp_ns, ImageSource image, std::s
 
 void OdometryFrontEnd::AddPose(std::int64_t stamp_ns, const Rigid3& T_W_B) {
   ++counts_.poses;
-  const Pose pose{stamp_ns, T_W_B};
+  const StampedPose pose{stamp_ns, T_W_B};
   if (!poses_.empty() && stamp_ns <= poses_.back().stamp_ns) {
     ++counts_.stray_stamps;
     if (suspect_ && stamp_ns > suspect_->stamp_ns) {
@@ -112,7 +117,7 @@ void OdometryFrontEnd::AddPose(std::int64_t stamp_ns, const Rigid3& T_W_B) {
   FollowWaiting();
 }
 
-void OdometryFrontEnd::Restart(const Pose& first) {
+void OdometryFrontEnd::Restart(const StampedPose& first) {
   Tell(fmt::format("the odometry's stamps go back to {} ns: it started anew", first.stamp_ns));
   HandOver(true);
   const std::int64_t newest_ns = poses_.back().stamp_ns;
@@ -151,33 +156,34 @@ void OdometryFrontEnd::FollowWaiting() {
 }
 
 std::optional<Rigid3> OdometryFrontEnd::PoseAt(std::int64_t stamp_ns) const {
-  const auto after = std::lower_bound(
-      poses_.begin(), poses_.end(), stamp_ns - kStampToleranceNs, [](const Pose& p, auto stamp) {
-        return p.stamp_ns < stamp;
-      });
+  const auto after =
+      std::lower_bound(poses_.begin(),
+                       poses_.end(),
+                       stamp_ns - kStampToleranceNs,
+                       [](const StampedPose& p, auto stamp) { return p.stamp_ns < stamp; });
   if (after == poses_.end()) {
     return std::nullopt;
   }
   if (after->stamp_ns <= stamp_ns + kStampToleranceNs) {
-    return after->T_W_B;
+    return after->pose;
   }
   if (after == poses_.begin()) {
     return std::nullopt;
   }
-  const Pose& before = *std::prev(after);
+  const StampedPose& before = *std::prev(after);
   const std::int64_t gap_ns = after->stamp_ns - before.stamp_ns;
   if (gap_ns > ToNanoseconds(options_.max_pose_gap_s)) {
     return std::nullopt;
   }
-  return Interpolate(before.T_W_B,
-                     after->T_W_B,
+  return Interpolate(before.pose,
+                     after->pose,
                      static_cast<double>(stamp_ns - before.stamp_ns) / static_cast<double>(gap_ns));
 }
 
 void OdometryFrontEnd::Follow(const WaitingImage& waiting, const Rigid3& T_W_B) {
   cv::Mat image;
   try {
-    image = waiting.image();
+    image = waiting.source();
     if (image.cols != camera_->width() || image.rows != camera_->height()) {
       ThrowInputError("image of stamp {} ns: {} x {} px: expected the camera's {} x {}",
                       waiting.stamp_ns,

@@ -8,13 +8,14 @@
 namespace deja_view {
 
 FrontEndThread::FrontEndThread(const FrontEndSetup& setup,
+                               ErrorPolicy* errors,
                                OdometryFrontEnd::KeyframeCallback on_keyframe,
                                OdometryFrontEnd::ProblemCallback on_problem)
     : image_memory_mb_(setup.options.image_memory_mb),
       on_problem_(std::move(on_problem)),
       front_end_(setup, std::move(on_keyframe), on_problem_),
-      errors_(on_problem_) {
-  DEJA_VIEW_CHECK(on_problem_);
+      errors_(errors) {
+  DEJA_VIEW_CHECK(errors_ != nullptr && on_problem_);
 }
 
 FrontEndThread::~FrontEndThread() {
@@ -44,18 +45,18 @@ void FrontEndThread::Join(State state) {
 }
 
 void FrontEndThread::AddImage(std::int64_t stamp_ns, ImageSource image, std::size_t bytes) {
-  Enqueue(Image{stamp_ns, std::move(image), bytes});
+  Enqueue(WaitingImage{stamp_ns, std::move(image), bytes});
 }
 
 void FrontEndThread::AddPose(std::int64_t stamp_ns, const Rigid3& T_W_B) {
-  Enqueue(Pose{stamp_ns, T_W_B});
+  Enqueue(StampedPose{stamp_ns, T_W_B});
 }
 
 void FrontEndThread::Enqueue(Task task) {
   std::int64_t dropped = 0;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    const auto* image = std::get_if<Image>(&task);
+    const auto* image = std::get_if<WaitingImage>(&task);
     queued_bytes_ += image != nullptr ? image->bytes : 0;
     queue_.push_back(std::move(task));
     dropped = -overflows_;
@@ -71,7 +72,7 @@ void FrontEndThread::Enqueue(Task task) {
 void FrontEndThread::DropOldImages() {
   auto task = queue_.begin();
   while (task != queue_.end() && static_cast<double>(queued_bytes_) > 1e6 * image_memory_mb_) {
-    if (const auto* image = std::get_if<Image>(&*task)) {
+    if (const auto* image = std::get_if<WaitingImage>(&*task)) {
       queued_bytes_ -= image->bytes;
       ++overflows_;
       task = queue_.erase(task);
@@ -97,7 +98,7 @@ bool FrontEndThread::NextTask(Task* task) {
   }
   *task = std::move(queue_.front());
   queue_.pop_front();
-  const auto* image = std::get_if<Image>(task);
+  const auto* image = std::get_if<WaitingImage>(task);
   queued_bytes_ -= image != nullptr ? image->bytes : 0;
   return true;
 }
@@ -105,24 +106,24 @@ bool FrontEndThread::NextTask(Task* task) {
 void FrontEndThread::Work() {
   Task task;
   while (NextTask(&task)) {
-    errors_.Guard([&] { std::visit([this](auto& content) { Process(content); }, task); });
-    if (errors_.has_failed()) {
+    errors_->Guard([&] { std::visit([this](auto& content) { Process(content); }, task); });
+    if (errors_->has_failed()) {
       return;
     }
   }
   const std::lock_guard<std::mutex> lock(mutex_);
   if (state_ == State::kDraining) {
-    errors_.Guard([this] { front_end_.Flush(); });
+    errors_->Guard([this] { front_end_.Flush(); });
     counts_ = front_end_.counts();
   }
 }
 
-void FrontEndThread::Process(Image& image) {
+void FrontEndThread::Process(WaitingImage& image) {
   front_end_.AddImage(image.stamp_ns, std::move(image.source), image.bytes);
 }
 
-void FrontEndThread::Process(const Pose& pose) {
-  front_end_.AddPose(pose.stamp_ns, pose.T_W_B);
+void FrontEndThread::Process(const StampedPose& pose) {
+  front_end_.AddPose(pose.stamp_ns, pose.pose);
 }
 
 }  // namespace deja_view

@@ -43,6 +43,7 @@ LoopFusion::LoopFusion(const LoopFusionOptions& options,
     : LoopFusion(options, std::move(closer), std::move(callbacks)) {
   front_end_ = std::make_unique<FrontEndThread>(
       FrontEndSetup{options.front_end, std::move(camera), T_B_C},
+      &errors_,
       [this](OdometryFrontEnd::Keyframe keyframe) {
         const std::lock_guard<std::mutex> lock(assembler_mutex_);
         assembler_.AddPose(keyframe.stamp_ns, keyframe.T_W_B);

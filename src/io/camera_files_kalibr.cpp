@@ -37,12 +37,20 @@ Distortion ReadDistortion(const YamlSection& camera, const std::string& coeffici
 }
 
 template <typename Parameters>
-Parameters WithSize(const YamlSection& camera) {
+Parameters WithResolution(const YamlSection& camera) {
   const auto [width, height] = camera.GetTwoSizes("resolution");
   Parameters p;
   p.width = width;
   p.height = height;
   return p;
+}
+
+template <typename Parameters>
+void SetRadtan(const std::vector<double>& k, Parameters* p) {
+  p->k1 = k[0];
+  p->k2 = k[1];
+  p->p1 = k[2];
+  p->p2 = k[3];
 }
 
 std::shared_ptr<const Camera> ReadPinhole(const YamlSection& camera,
@@ -53,7 +61,7 @@ std::shared_ptr<const Camera> ReadPinhole(const YamlSection& camera,
     camera.Fail("intrinsics", kFocalLengths);
   }
   if (is_equidistant) {
-    auto p = WithSize<KannalaBrandtParameters>(camera);
+    auto p = WithResolution<KannalaBrandtParameters>(camera);
     p.k2 = k[0];
     p.k3 = k[1];
     p.k4 = k[2];
@@ -64,15 +72,12 @@ std::shared_ptr<const Camera> ReadPinhole(const YamlSection& camera,
     p.v0 = f[3];
     return std::make_shared<KannalaBrandtCamera>(p);
   }
-  auto p = WithSize<PinholeParameters>(camera);
+  auto p = WithResolution<PinholeParameters>(camera);
   p.fx = f[0];
   p.fy = f[1];
   p.cx = f[2];
   p.cy = f[3];
-  p.k1 = k[0];
-  p.k2 = k[1];
-  p.p1 = k[2];
-  p.p2 = k[3];
+  SetRadtan(k, &p);
   return std::make_shared<PinholeCamera>(p);
 }
 
@@ -88,16 +93,13 @@ std::shared_ptr<const Camera> ReadOmni(const YamlSection& camera) {
   if (f[1] <= 0 || f[2] <= 0) {
     camera.Fail("intrinsics", kFocalLengths);
   }
-  auto p = WithSize<MeiParameters>(camera);
+  auto p = WithResolution<MeiParameters>(camera);
   p.xi = f[0];
   p.gamma1 = f[1];
   p.gamma2 = f[2];
   p.u0 = f[3];
   p.v0 = f[4];
-  p.k1 = k[0];
-  p.k2 = k[1];
-  p.p1 = k[2];
-  p.p2 = k[3];
+  SetRadtan(k, &p);
   return std::make_shared<MeiCamera>(p);
 }
 

@@ -11,27 +11,36 @@
 namespace deja_view::internal {
 namespace {
 
-std::shared_ptr<const Camera> ReadPinhole(const YamlSection& root) {
-  PinholeParameters p;
+template <typename Parameters>
+Parameters WithSize(const YamlSection& root) {
+  Parameters p;
   p.width = root.GetSize("image_width");
   p.height = root.GetSize("image_height");
+  return p;
+}
+
+template <typename Parameters>
+void ReadRadtan(const YamlSection& root, Parameters* p) {
+  const YamlSection distortion = root.Child("distortion_parameters");
+  p->k1 = distortion.GetFinite("k1");
+  p->k2 = distortion.GetFinite("k2");
+  p->p1 = distortion.GetFinite("p1");
+  p->p2 = distortion.GetFinite("p2");
+}
+
+std::shared_ptr<const Camera> ReadPinhole(const YamlSection& root) {
+  auto p = WithSize<PinholeParameters>(root);
   const YamlSection projection = root.Child("projection_parameters");
   p.fx = projection.GetPositive("fx");
   p.fy = projection.GetPositive("fy");
   p.cx = projection.GetFinite("cx");
   p.cy = projection.GetFinite("cy");
-  const YamlSection distortion = root.Child("distortion_parameters");
-  p.k1 = distortion.GetFinite("k1");
-  p.k2 = distortion.GetFinite("k2");
-  p.p1 = distortion.GetFinite("p1");
-  p.p2 = distortion.GetFinite("p2");
+  ReadRadtan(root, &p);
   return std::make_shared<PinholeCamera>(p);
 }
 
 std::shared_ptr<const Camera> ReadKannalaBrandt(const YamlSection& root) {
-  KannalaBrandtParameters p;
-  p.width = root.GetSize("image_width");
-  p.height = root.GetSize("image_height");
+  auto p = WithSize<KannalaBrandtParameters>(root);
   const YamlSection projection = root.Child("projection_parameters");
   p.k2 = projection.GetFinite("k2");
   p.k3 = projection.GetFinite("k3");
@@ -45,16 +54,10 @@ std::shared_ptr<const Camera> ReadKannalaBrandt(const YamlSection& root) {
 }
 
 std::shared_ptr<const Camera> ReadMei(const YamlSection& root) {
-  MeiParameters p;
-  p.width = root.GetSize("image_width");
-  p.height = root.GetSize("image_height");
+  auto p = WithSize<MeiParameters>(root);
   const YamlSection mirror = root.Child("mirror_parameters");
   p.xi = mirror.GetNotNegative("xi");
-  const YamlSection distortion = root.Child("distortion_parameters");
-  p.k1 = distortion.GetFinite("k1");
-  p.k2 = distortion.GetFinite("k2");
-  p.p1 = distortion.GetFinite("p1");
-  p.p2 = distortion.GetFinite("p2");
+  ReadRadtan(root, &p);
   const YamlSection projection = root.Child("projection_parameters");
   p.gamma1 = projection.GetPositive("gamma1");
   p.gamma2 = projection.GetPositive("gamma2");

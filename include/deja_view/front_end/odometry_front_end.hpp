@@ -6,6 +6,7 @@
 #include "deja_view/geometry/rigid3.hpp"
 #include "deja_view/host/image_source.hpp"
 #include "deja_view/host/keyframe_input.hpp"
+#include "deja_view/host/odometry_input.hpp"
 
 #include <cstdint>
 #include <deque>
@@ -95,15 +96,6 @@ class OdometryFrontEnd {
   const FrontEndCounts& counts() const { return counts_; }
 
  private:
-  struct WaitingImage {
-    std::int64_t stamp_ns = 0;
-    ImageSource image;
-    std::size_t bytes = 0;
-  };
-  struct Pose {
-    std::int64_t stamp_ns = 0;
-    Rigid3 T_W_B;
-  };
   struct Frame {
     std::int64_t stamp_ns = 0;
     Rigid3 T_W_B;
@@ -113,7 +105,7 @@ class OdometryFrontEnd {
     bool is_handed_over = false;
   };
 
-  void Restart(const Pose& first);
+  void Restart(const StampedPose& first);
   void FollowWaiting();
   std::optional<Rigid3> PoseAt(std::int64_t stamp_ns) const;
   void Follow(const WaitingImage& waiting, const Rigid3& T_W_B);
@@ -131,11 +123,11 @@ class OdometryFrontEnd {
   FrontEndCounts counts_;
 
   CornerTracker tracker_;
-  std::deque<WaitingImage> waiting_;
+  std::deque<WaitingImage> waiting_;  ///< by stamp
   std::size_t waiting_bytes_ = 0;
-  std::deque<Pose> poses_;
-  std::optional<Pose> suspect_;  ///< pose whose stamp went back
-  std::deque<Frame> frames_;     ///< that keyframes not handed over, or to come, look at
+  std::deque<StampedPose> poses_;       ///< T_W_B
+  std::optional<StampedPose> suspect_;  ///< pose whose stamp went back
+  std::deque<Frame> frames_;            ///< that keyframes not handed over, or to come, look at
   std::optional<Frame> last_keyframe_;
 };
 

@@ -19,8 +19,10 @@ namespace deja_view {
 /// Add... may be called by any thread; the callbacks are called on the front end's.
 class FrontEndThread {
  public:
-  /// Does not start the thread. Throws InputError for bad options.
+  /// Does not start the thread. `errors` is that of the program, which must outlive this: what
+  /// breaks here ends it. Throws InputError for bad options.
   FrontEndThread(const FrontEndSetup& setup,
+                 ErrorPolicy* errors,
                  OdometryFrontEnd::KeyframeCallback on_keyframe,
                  OdometryFrontEnd::ProblemCallback on_problem);
   /// Stops at once.
@@ -38,30 +40,21 @@ class FrontEndThread {
   FrontEndCounts counts() const;
 
  private:
-  struct Image {
-    std::int64_t stamp_ns = 0;
-    ImageSource source;
-    std::size_t bytes = 0;
-  };
-  struct Pose {
-    std::int64_t stamp_ns = 0;
-    Rigid3 T_W_B;
-  };
-  using Task = std::variant<Image, Pose>;
+  using Task = std::variant<WaitingImage, StampedPose>;
   enum class State { kRunning, kDraining, kStopped };
 
   void Join(State state);
   void Enqueue(Task task);
   bool NextTask(Task* task);
   void Work();
-  void Process(Image& image);
-  void Process(const Pose& pose);
+  void Process(WaitingImage& image);
+  void Process(const StampedPose& pose);
   void DropOldImages();
 
   double image_memory_mb_;
   OdometryFrontEnd::ProblemCallback on_problem_;
   OdometryFrontEnd front_end_;  ///< the thread's
-  ErrorPolicy errors_;
+  ErrorPolicy* errors_;
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;

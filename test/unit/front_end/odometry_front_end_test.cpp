@@ -216,6 +216,16 @@ TEST_F(OdometryFrontEndTest, StampsThatGoBackTwiceAreANewStart) {
   EXPECT_LT(keyframes_.back().stamp_ns, Stamp(20));
 }
 
+TEST_F(OdometryFrontEndTest, AnImageOfTheFutureHoldsUpNothing) {
+  OdometryFrontEnd front_end = Make();
+  Fly(&front_end, 0, 10);
+  front_end.AddImage(
+      Stamp(1000000), [this] { return Picture(0); }, 1);
+  Fly(&front_end, 10, 30);
+  front_end.Flush();
+  EXPECT_GE(keyframes_.back().stamp_ns, Stamp(27));
+}
+
 TEST_F(OdometryFrontEndTest, HoldsNoMoreImagesThanItMay) {
   setup_.options.image_memory_mb = 1;
   OdometryFrontEnd front_end = Make();

@@ -233,5 +233,17 @@ TEST_F(LoopFusionTest, MakesKeyframesOfImagesAndPosesAlone) {
   EXPECT_GT(*std::max_element(points.begin(), points.end()), 30U);
 }
 
+TEST_F(LoopFusionTest, WhatBreaksInTheFrontEndIsKeptForTheProgram) {
+  LoopFusionCallbacks callbacks;
+  callbacks.on_problem = [](const std::string&) {};
+  LoopFusion fusion({}, flight_.MakeLoopCloser(), callbacks, flight_.camera(), flight_.T_B_C());
+  fusion.Start();
+  fusion.AddImage(
+      WallFlight::kStart, []() -> cv::Mat { throw CheckError("broken"); }, 1);
+  fusion.AddOdometry(WallFlight::kStart, Rigid3());
+  fusion.Stop(kForever);
+  EXPECT_THROW(fusion.errors().RethrowFailure(), CheckError);
+}
+
 }  // namespace
 }  // namespace deja_view
