@@ -45,7 +45,7 @@ void DescribeImage(const cv::Mat& grey,
     image->keypoints.push_back(t.pixel);
     image->track_ids.push_back(t.track_id);
   }
-  Features features = extractor.Extract(grey, pixels, &image->descriptors);
+  Features features = extractor.Extract(grey, {}, pixels, &image->descriptors);
   const std::vector<Eigen::Vector2f> taken = image->keypoints;
   const KeypointGrid grid(taken, grey.cols, grey.rows, kCellPx);
   std::vector<cv::Point2f> corners;

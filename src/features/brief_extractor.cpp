@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "select_corners.hpp"
 #include <opencv2/features2d.hpp>
@@ -56,37 +57,70 @@ Descriptor DescribeClamped(const cv::Mat& smooth, cv::Point p, const BriefPatter
   return descriptor;
 }
 
+BriefPattern Turned(const BriefPattern& pattern, double angle) {
+  const double c = std::cos(angle);
+  const double s = std::sin(angle);
+  const auto turn =
+      [&](std::int8_t x, std::int8_t y, std::int8_t* turned_x, std::int8_t* turned_y) {
+        *turned_x = static_cast<std::int8_t>(std::lround(c * x - s * y));
+        *turned_y = static_cast<std::int8_t>(std::lround(s * x + c * y));
+      };
+  BriefPattern turned;
+  for (std::size_t i = 0; i < pattern.pairs.size(); ++i) {
+    const BriefPattern::Pair& p = pattern.pairs[i];
+    BriefPattern::Pair& t = turned.pairs[i];
+    turn(p.x1, p.y1, &t.x1, &t.y1);
+    turn(p.x2, p.y2, &t.x2, &t.y2);
+  }
+  return turned;
+}
+
 }  // namespace
 
 BriefExtractor::BriefExtractor(const BriefOptions& options)
     : options_((CheckNone(options.Validate(), "options"), options)),
       pattern_(options.pattern_file.empty() ? DefaultBriefPattern()
                                             : ReadBriefPattern(options.pattern_file)),
-      radius_(pattern_.Radius()) {}
-
-Features BriefExtractor::Extract(const cv::Mat& image) const {
-  return Extract(image, {}, nullptr);
+      radius_(pattern_.Radius()) {
+  for (int step = 0; step < VerticalField::kSteps; ++step) {
+    turned_.push_back(Turned(pattern_, step * VerticalField::kStepAngle));
+    turned_radius_ = std::max(turned_radius_, turned_.back().Radius());
+  }
 }
 
 Features BriefExtractor::Extract(const cv::Mat& image,
+                                 const VerticalField& vertical,
                                  const std::vector<cv::Point2f>& points,
                                  std::vector<Descriptor>* point_descriptors) const {
   DEJA_VIEW_CHECK_OP(image.type(), ==, CV_8UC1);
   DEJA_VIEW_CHECK(!image.empty());
   DEJA_VIEW_CHECK(points.empty() || point_descriptors != nullptr);
   const cv::Mat smooth = Smooth(image);
-  const SampleOffsets offsets(pattern_, static_cast<std::ptrdiff_t>(smooth.step[0]));
+  const auto turn_at = [&](cv::Point p) {
+    return VerticalField::NearestStep(
+        vertical.Angle(static_cast<float>(p.x), static_cast<float>(p.y)));
+  };
+  // A turn's offsets are made when it first occurs.
+  std::vector<std::optional<SampleOffsets>> offsets(turned_.size());
   const auto describe = [&](cv::Point p) {
-    const bool is_inside = p.x >= radius_ && p.y >= radius_ && p.x + radius_ < smooth.cols &&
-                           p.y + radius_ < smooth.rows;
-    return is_inside ? Describe(smooth.ptr<std::uint8_t>(p.y) + p.x, offsets)
-                     : DescribeClamped(smooth, p, pattern_);
+    const std::size_t turn = turn_at(p);
+    const int radius = turn == 0 ? radius_ : turned_radius_;
+    const bool is_inside =
+        p.x >= radius && p.y >= radius && p.x + radius < smooth.cols && p.y + radius < smooth.rows;
+    if (!is_inside) {
+      return DescribeClamped(smooth, p, turned_[turn]);
+    }
+    if (!offsets[turn]) {
+      offsets[turn].emplace(turned_[turn], static_cast<std::ptrdiff_t>(smooth.step[0]));
+    }
+    return Describe(smooth.ptr<std::uint8_t>(p.y) + p.x, *offsets[turn]);
   };
 
   Features features;
   features.keypoints = Detect(image);
   features.descriptors.reserve(features.keypoints.size());
-  for (const Keypoint& keypoint : features.keypoints) {
+  for (Keypoint& keypoint : features.keypoints) {
+    keypoint.angle = vertical.Angle(keypoint.x, keypoint.y);
     features.descriptors.push_back(
         describe({static_cast<int>(keypoint.x), static_cast<int>(keypoint.y)}));
   }

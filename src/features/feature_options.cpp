@@ -44,4 +44,11 @@ std::vector<std::string> FeatureOptions::Validate() const {
   return r.errors();
 }
 
+std::string DescriptorKind(const FeatureOptions& options) {
+  const std::string kind = EnumToString(options.kind);
+  return options.orientation == PatchOrientation::kImage
+             ? kind
+             : kind + "@" + EnumToString(options.orientation);
+}
+
 }  // namespace deja_view

@@ -195,8 +195,13 @@ std::vector<cv::Mat> BuildPyramid(const cv::Mat& image, const OrbOptions& option
   return pyramid;
 }
 
+float AngleDeg(const VerticalField& vertical, float x, float y) {
+  return vertical.Angle(x, y) / kRadians;
+}
+
 std::vector<Descriptor> DescribePoints(const cv::Mat& image,
-                                       const std::vector<cv::Point2f>& points) {
+                                       const std::vector<cv::Point2f>& points,
+                                       const VerticalField& vertical) {
   if (points.empty()) {
     return {};
   }
@@ -217,7 +222,9 @@ std::vector<Descriptor> DescribePoints(const cv::Mat& image,
   keypoints.reserve(points.size());
   for (const cv::Point2f& point : points) {
     const cv::Point pixel(to_pixel(point.x, image.cols), to_pixel(point.y, image.rows));
-    keypoints.emplace_back(pixel, 31.0F, internal::IntensityCentroidAngle(padded, pixel));
+    const float angle = vertical.empty() ? internal::IntensityCentroidAngle(padded, pixel)
+                                         : AngleDeg(vertical, point.x, point.y);
+    keypoints.emplace_back(pixel, 31.0F, angle);
   }
   return DescribeOnLevel(padded, std::move(keypoints));
 }
@@ -249,11 +256,8 @@ OrbExtractor::OrbExtractor(const OrbOptions& options)
     : options_((CheckNone(options.Validate(), "options"), options)),
       level_features_(SharesOfLevels(options)) {}
 
-Features OrbExtractor::Extract(const cv::Mat& image) const {
-  return Extract(image, {}, nullptr);
-}
-
 Features OrbExtractor::Extract(const cv::Mat& image,
+                               const VerticalField& vertical,
                                const std::vector<cv::Point2f>& points,
                                std::vector<Descriptor>* point_descriptors) const {
   DEJA_VIEW_CHECK_OP(image.type(), ==, CV_8UC1);
@@ -268,13 +272,15 @@ Features OrbExtractor::Extract(const cv::Mat& image,
                                                       options_,
                                                       static_cast<std::size_t>(level_features_[l]),
                                                       DetectOnLevel(level, threshold));
+    const float scale_x = static_cast<float>(image.cols) / static_cast<float>(level.cols);
+    const float scale_y = static_cast<float>(image.rows) / static_cast<float>(level.rows);
     for (cv::KeyPoint& corner : corners) {
-      corner.angle = internal::IntensityCentroidAngle(level, corner.pt);
+      corner.angle = vertical.empty()
+                         ? internal::IntensityCentroidAngle(level, corner.pt)
+                         : AngleDeg(vertical, corner.pt.x * scale_x, corner.pt.y * scale_y);
     }
     const std::vector<Descriptor> descriptors = DescribeOnLevel(level, corners);
     features.descriptors.insert(features.descriptors.end(), descriptors.begin(), descriptors.end());
-    const float scale_x = static_cast<float>(image.cols) / static_cast<float>(level.cols);
-    const float scale_y = static_cast<float>(image.rows) / static_cast<float>(level.rows);
     for (const cv::KeyPoint& corner : corners) {
       features.keypoints.push_back({(corner.pt.x + 0.5F) * scale_x - 0.5F,
                                     (corner.pt.y + 0.5F) * scale_y - 0.5F,
@@ -284,7 +290,7 @@ Features OrbExtractor::Extract(const cv::Mat& image,
     }
   }
   if (point_descriptors != nullptr) {
-    *point_descriptors = DescribePoints(image, points);
+    *point_descriptors = DescribePoints(image, points, vertical);
   }
   return features;
 }

@@ -122,7 +122,9 @@ LoopCloserImpl::NewKeyframe LoopCloserImpl::Describe(const KeyframeInput& input,
       f.point_ids.push_back(point.id);
       pixels.emplace_back(point.pixel.x(), point.pixel.y());
     }
-    Features features = extractor_->Extract(input.image, pixels, &f.point_descriptors);
+    const VerticalField vertical =
+        MakeVerticalField(options_.features, *camera_, input.T_W_B.q * T_B_C_.q);
+    Features features = extractor_->Extract(input.image, vertical, pixels, &f.point_descriptors);
     f.keypoints.reserve(features.keypoints.size());
     for (const Keypoint& keypoint : features.keypoints) {
       f.keypoints.emplace_back(keypoint.x, keypoint.y);
@@ -222,14 +224,15 @@ std::size_t LoopCloserImpl::view_memory_bytes() const {
 
 void LoopCloserImpl::Save(const std::filesystem::path& directory) const {
   WriteMap(directory,
-           {extractor_->DescriptorName(), *camera_},
+           {DescriptorKind(options_.features), *camera_},
            keyframes_,
            loops_.Accepted(),
            shelf_.kept());
 }
 
 void LoopCloserImpl::Load(const std::filesystem::path& directory) {
-  LoadedMap map = ReadMap(directory, {extractor_->DescriptorName(), *camera_}, options_.pose_graph);
+  LoadedMap map =
+      ReadMap(directory, {DescriptorKind(options_.features), *camera_}, options_.pose_graph);
   solve_.Finish(&keyframes_.graph());
   solve_.Reset();
   keyframes_ = std::move(map.keyframes);

@@ -54,6 +54,7 @@ std::vector<std::string> VirtualViewOptions::Validate() const {
   r.That(max_features >= 1, "max_features", max_features, "at least 1");
   r.That(max_tried >= 0, "max_tried", max_tried, "at least 0");
   r.That(max_waiting >= 0, "max_waiting", max_waiting, "at least 0");
+  r.That(max_waiting_mb >= 0, "max_waiting_mb", max_waiting_mb, "at least 0");
   r.Range("min_certainty", min_certainty, 0, 1);
   r.That(min_features >= 1, "min_features", min_features, "at least 1");
   r.Range("min_agreement", min_agreement, 0, 1);

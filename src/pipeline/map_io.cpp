@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "map_records.hpp"
+#include <fmt/format.h>
 
 namespace deja_view {
 namespace {
@@ -19,7 +20,11 @@ constexpr const char* kFileName = "map.dvm";
 void CheckMaker(BinaryReader* in, const MapMaker& maker) {
   const auto name = in->ReadAll<char>("descriptor name");
   if (std::string(name.begin(), name.end()) != maker.descriptor_name) {
-    in->Fail("descriptor name", "the map was made with another descriptor than the vocabulary's");
+    in->Fail("descriptor name",
+             fmt::format("the map was made with '{}', the options (features.kind and orientation) "
+                         "ask for '{}'",
+                         std::string(name.begin(), name.end()),
+                         maker.descriptor_name));
   }
   if (in->Read<std::int32_t>("image width") != maker.camera.width() ||
       in->Read<std::int32_t>("image height") != maker.camera.height()) {

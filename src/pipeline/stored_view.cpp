@@ -38,6 +38,20 @@ std::vector<ViewFeature> FromMessage(const VirtualFeatures& offline) {
   return features;
 }
 
+/// Those of `features` that were described as `vertical` asks for, to within a step.
+std::vector<ViewFeature> TurnedAs(const VerticalField& vertical,
+                                  std::vector<ViewFeature> features) {
+  const auto is_turned_otherwise = [&](const ViewFeature& f) {
+    const float difference = vertical.Angle(f.keypoint.x, f.keypoint.y) - f.keypoint.angle;
+    return !(std::cos(difference) > std::cos(VerticalField::kStepAngle));
+  };
+  if (!vertical.empty()) {
+    features.erase(std::remove_if(features.begin(), features.end(), is_turned_otherwise),
+                   features.end());
+  }
+  return features;
+}
+
 bool IsSound(const ViewFeature& f, const Camera& camera) {
   return std::isfinite(f.keypoint.x) && std::isfinite(f.keypoint.y) &&
          camera.IsInImage({f.keypoint.x, f.keypoint.y}) && std::isfinite(f.keypoint.response) &&
@@ -90,12 +104,13 @@ void CheckView(const VirtualView& view, const std::string& descriptor_name) {
 
 StoredView MakeStoredView(const VirtualView& view,
                           const FeatureExtractor& extractor,
+                          const VerticalField& vertical,
                           const VirtualViewOptions& options) {
   const bool has_features = view.features.descriptor == extractor.DescriptorName();
   std::vector<ViewFeature> features =
       has_features && (options.use_offline || view.image.empty())
-          ? FromMessage(view.features)
-          : FromMessage(ExtractVirtualFeatures(view, extractor, options.min_certainty));
+          ? TurnedAs(vertical, FromMessage(view.features))
+          : FromMessage(ExtractVirtualFeatures(view, extractor, vertical, options.min_certainty));
   features.erase(std::remove_if(features.begin(),
                                 features.end(),
                                 [&](const ViewFeature& f) { return !IsSound(f, *view.camera); }),

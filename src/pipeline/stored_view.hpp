@@ -44,9 +44,11 @@ struct StoredView {
 void CheckView(const VirtualView& view, const std::string& descriptor_name);
 
 /// Features of a view that passed CheckView, from its message or its image: the strongest
-/// `options.max_features` of those that are certain.
+/// `options.max_features` of those that are certain. Of a message's own, only those whose patch was
+/// turned as `vertical`, the view's, says, or by ORB's own measure where it is empty.
 StoredView MakeStoredView(const VirtualView& view,
                           const FeatureExtractor& extractor,
+                          const VerticalField& vertical,
                           const VirtualViewOptions& options);
 
 /// The view as a camera of its keyframe's rig; points are the keypoints of certain depth.

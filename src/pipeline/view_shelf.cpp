@@ -19,6 +19,13 @@ std::size_t BytesOf(const StoredView& view) {
   return sizeof(StoredView) + view.MemoryBytes();
 }
 
+std::size_t BytesOf(const VirtualView& view) {
+  constexpr std::size_t kPerFeature = sizeof(Keypoint) + sizeof(Descriptor) + 2 * sizeof(float);
+  const auto bytes = [](const cv::Mat& image) { return image.total() * image.elemSize(); };
+  return sizeof(VirtualView) + bytes(view.image) + bytes(view.depth_mm) + bytes(view.certainty) +
+         kPerFeature * view.features.features.keypoints.size();
+}
+
 }  // namespace
 
 ViewShelf::ViewShelf(const VirtualViewOptions& options,
@@ -26,6 +33,7 @@ ViewShelf::ViewShelf(const VirtualViewOptions& options,
                      const LoopVerifier* verifier,
                      PlaceFinder* places)
     : options_(options),
+      features_(features),
       extractor_(MakeFeatureExtractor(WithMaxFeatures(features, options.max_features))),
       verifier_(verifier),
       places_(places) {}
@@ -49,17 +57,29 @@ ViewOutcome ViewShelf::TryToAdd(const VirtualView& view, const KeyframeMap& keyf
   if (keyframe && !keyframes[*keyframe].is_place) {
     return ViewOutcome::kNoPlace;  // before work is spent on it
   }
-  StoredView stored = MakeStoredView(view, *extractor_, options_);
-  stored.camera = cameras_.Share(stored.camera);
   if (keyframe) {
-    return Attach(*keyframe, std::move(stored), keyframes);
+    return Attach(*keyframe, view, keyframes);
   }
-  waiting_.push_back({view.stamp_ns, std::move(stored)});
-  if (waiting_.size() > static_cast<std::size_t>(options_.max_waiting)) {
+  LetWait(view);
+  return ViewOutcome::kWaiting;
+}
+
+// As it came: only its keyframe tells where down is.
+void ViewShelf::LetWait(const VirtualView& view) {
+  waiting_.push_back(view);
+  waiting_bytes_ += BytesOf(view);
+  const auto most = static_cast<std::size_t>(options_.max_waiting);
+  const auto most_bytes = static_cast<std::size_t>(options_.max_waiting_mb) << 20U;
+  while (waiting_.size() > most || waiting_bytes_ > most_bytes) {
+    waiting_bytes_ -= BytesOf(waiting_.front());
     waiting_.pop_front();
     ++counts_.no_keyframe;
   }
-  return ViewOutcome::kWaiting;
+}
+
+StoredView ViewShelf::Describe(const VirtualView& view, const Rigid3& T_W_C) const {
+  const VerticalField vertical = MakeVerticalField(features_, *view.camera, (T_W_C * view.T_C_V).q);
+  return MakeStoredView(view, *extractor_, vertical, options_);
 }
 
 ViewOutcome ViewShelf::Count(ViewOutcome outcome) {
@@ -96,21 +116,25 @@ void ViewShelf::AttachWaiting(int keyframe, const KeyframeMap& keyframes) {
       ++it;
       continue;
     }
-    StoredView view = std::move(it->view);
+    const VirtualView view = std::move(*it);
+    waiting_bytes_ -= BytesOf(view);
     it = waiting_.erase(it);
-    Count(Attach(keyframe, std::move(view), keyframes));
+    Count(Attach(keyframe, view, keyframes));
   }
 }
 
-ViewOutcome ViewShelf::Attach(int keyframe, StoredView view, const KeyframeMap& keyframes) {
+ViewOutcome ViewShelf::Attach(int keyframe, const VirtualView& sent, const KeyframeMap& keyframes) {
   if (!keyframes[keyframe].is_place) {
     return ViewOutcome::kNoPlace;
   }
   std::vector<StoredView>& views = kept_[keyframe];
-  const auto has_index = [&](const StoredView& other) { return other.index == view.index; };
+  const auto has_index = [&](const StoredView& other) { return other.index == sent.index; };
   if (std::any_of(views.begin(), views.end(), has_index)) {
     return ViewOutcome::kDuplicate;
   }
+  StoredView view =
+      Describe(sent, keyframes.node(keyframe).T_W_B * keyframes[keyframe].features.T_B_C);
+  view.camera = cameras_.Share(view.camera);
   if (static_cast<int>(view.keypoints.size()) < options_.min_features) {
     return ViewOutcome::kUncertain;
   }

@@ -56,13 +56,10 @@ class ViewShelf {
   std::size_t memory_bytes() const { return bytes_; }
 
  private:
-  struct Waiting {
-    std::int64_t stamp_ns = 0;
-    StoredView view;
-  };
-
   ViewOutcome TryToAdd(const VirtualView& view, const KeyframeMap& keyframes);
-  ViewOutcome Attach(int keyframe, StoredView view, const KeyframeMap& keyframes);
+  ViewOutcome Attach(int keyframe, const VirtualView& sent, const KeyframeMap& keyframes);
+  void LetWait(const VirtualView& view);
+  StoredView Describe(const VirtualView& view, const Rigid3& T_W_C) const;
   ViewOutcome Count(ViewOutcome outcome);
   void Keep(int keyframe, StoredView view);
   void Drop(int keyframe, std::size_t i);
@@ -73,11 +70,13 @@ class ViewShelf {
                                            StoredView* view) const;
 
   VirtualViewOptions options_;
+  FeatureOptions features_;
   std::unique_ptr<FeatureExtractor> extractor_;
   const LoopVerifier* verifier_;
   PlaceFinder* places_;
   CameraTable cameras_;
-  std::deque<Waiting> waiting_;  ///< the oldest first
+  std::deque<VirtualView> waiting_;  ///< the oldest first
+  std::size_t waiting_bytes_ = 0;
   Views kept_;
   ViewCounts counts_;
   std::size_t bytes_ = 0;

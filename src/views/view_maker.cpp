@@ -69,8 +69,10 @@ MadeViews ViewMaker::Make(const ViewSource& source,
     return verdict == GateVerdict::kAccepted;
   };
   for (const Rigid3& T_C_V : SampleViews(options_.sampling, source.stamp_ns, accept)) {
-    made.views.push_back(MakeView(
-        upscaler_.Render(renderer, *camera_, source.T_N_C * T_C_V, render_options), T_C_V));
+    made.views.push_back(
+        MakeView(upscaler_.Render(renderer, *camera_, source.T_N_C * T_C_V, render_options),
+                 source.T_N_C,
+                 T_C_V));
   }
   for (std::size_t i = 0; i < made.views.size(); ++i) {
     made.views[i].stamp_ns = source.stamp_ns;
@@ -80,7 +82,9 @@ MadeViews ViewMaker::Make(const ViewSource& source,
   return made;
 }
 
-VirtualView ViewMaker::MakeView(const RenderedView& rendered, const Rigid3& T_C_V) const {
+VirtualView ViewMaker::MakeView(const RenderedView& rendered,
+                                const Rigid3& T_N_C,
+                                const Rigid3& T_C_V) const {
   VirtualView view;
   view.T_C_V = T_C_V;
   view.camera = camera_;
@@ -89,7 +93,11 @@ VirtualView ViewMaker::MakeView(const RenderedView& rendered, const Rigid3& T_C_
     view.image = rendered.image;
   }
   if (content_.features) {
-    view.features = ExtractVirtualFeatures(rendered, *extractor_, options_.gate.min_opacity);
+    view.features =
+        ExtractVirtualFeatures(rendered,
+                               *extractor_,
+                               MakeVerticalField(options_.features, *camera_, (T_N_C * T_C_V).q),
+                               options_.gate.min_opacity);
   }
   if (content_.depth) {
     view.depth_mm = ToMillimetres(rendered.depth);

@@ -54,9 +54,10 @@ struct Depth {
 template <typename IsSeen, typename DepthAt>
 VirtualFeatures Collect(const cv::Mat& image,
                         const FeatureExtractor& extractor,
+                        const VerticalField& vertical,
                         const IsSeen& is_seen,
                         const DepthAt& depth_at) {
-  const Features all = extractor.Extract(image);
+  const Features all = extractor.Extract(image, vertical);
   VirtualFeatures result;
   result.descriptor = extractor.DescriptorName();
   for (std::size_t i = 0; i < all.keypoints.size(); ++i) {
@@ -79,6 +80,7 @@ VirtualFeatures Collect(const cv::Mat& image,
 
 VirtualFeatures ExtractVirtualFeatures(const RenderedView& view,
                                        const FeatureExtractor& extractor,
+                                       const VerticalField& vertical,
                                        double min_opacity) {
   const cv::Size size = view.image.size();
   DEJA_VIEW_CHECK(view.depth.size() == size && view.depth_variance.size() == size &&
@@ -87,6 +89,7 @@ VirtualFeatures ExtractVirtualFeatures(const RenderedView& view,
   return Collect(
       view.image,
       extractor,
+      vertical,
       [&](int x, int y) { return view.opacity.at<float>(y, x) >= least; },
       [&](int x, int y) {
         const float depth = view.depth.at<float>(y, x);
@@ -99,11 +102,13 @@ VirtualFeatures ExtractVirtualFeatures(const RenderedView& view,
 
 VirtualFeatures ExtractVirtualFeatures(const VirtualView& view,
                                        const FeatureExtractor& extractor,
+                                       const VerticalField& vertical,
                                        double min_certainty) {
   const auto least = static_cast<std::uint8_t>(std::lround(255 * min_certainty));
   return Collect(
       view.image,
       extractor,
+      vertical,
       [&](int x, int y) {
         return view.certainty.empty() || view.certainty.at<std::uint8_t>(y, x) >= least;
       },

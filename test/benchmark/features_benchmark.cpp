@@ -33,7 +33,7 @@ void BM_Brief(benchmark::State& state) {
   std::vector<Descriptor> descriptors;
   std::size_t count = 0;
   for (auto _ : state) {
-    count = extractor.Extract(image, points, &descriptors).keypoints.size();
+    count = extractor.Extract(image, {}, points, &descriptors).keypoints.size();
   }
   state.counters["features"] = static_cast<double>(count);
 }

@@ -69,7 +69,8 @@ struct EnumNames<QuadtreeMode> {
 struct OrbOptions {
   int max_features = 1000;     ///< over all levels; >= 1
   double scale_factor = 1.2;   ///< between levels, 1.01 to 2
-  int levels = 8;              ///< 1 to 16
+  /// 1 to 16. Tracked points are described at the first: what is found on others shows no point.
+  int levels = 1;
   int fast_threshold = 20;     ///< grey levels, 1 to 254
   int min_fast_threshold = 7;  ///< where a cell has no corner at fast_threshold; <= fast_threshold
   int cell_size_px = 35;       ///< of the cells that choose between the thresholds
@@ -101,9 +102,22 @@ struct EnumNames<FeatureKind> {
       {{FeatureKind::kBrief, "brief"}, {FeatureKind::kOrb, "orb"}}};
 };
 
+/// How a patch is turned before it is described.
+enum class PatchOrientation {
+  kGravity,  ///< as it stands in the world: see VerticalField
+  kImage,    ///< BRIEF: as it stands in the image; ORB: by its own grey values
+};
+
+template <>
+struct EnumNames<PatchOrientation> {
+  static constexpr std::array<std::pair<PatchOrientation, const char*>, 2> kNames = {
+      {{PatchOrientation::kGravity, "gravity"}, {PatchOrientation::kImage, "image"}}};
+};
+
 /// Options of MakeFeatureExtractor; only the group of the chosen kind matters.
 struct FeatureOptions {
   FeatureKind kind = FeatureKind::kBrief;
+  PatchOrientation orientation = PatchOrientation::kGravity;
   BriefOptions brief;
   OrbOptions orb;
 
@@ -113,9 +127,14 @@ struct FeatureOptions {
   template <typename Visitor>
   void Visit(Visitor& v) {
     v("kind", kind);
+    v("orientation", orientation);
     v("brief", brief);
     v("orb", orb);
   }
 };
+
+/// Tells descriptors apart that can't be compared: "brief" or "orb" with PatchOrientation::kImage,
+/// "brief@gravity" or "orb@gravity".
+std::string DescriptorKind(const FeatureOptions& options);
 
 }  // namespace deja_view

@@ -19,8 +19,9 @@ class OrbExtractor final : public FeatureExtractor {
   explicit OrbExtractor(const OrbOptions& options = {});
 
   std::string DescriptorName() const override { return "orb"; }
-  Features Extract(const cv::Mat& image) const override;
+  using FeatureExtractor::Extract;
   Features Extract(const cv::Mat& image,
+                   const VerticalField& vertical,
                    const std::vector<cv::Point2f>& points,
                    std::vector<Descriptor>* point_descriptors) const override;
 

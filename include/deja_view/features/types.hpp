@@ -30,7 +30,7 @@ struct Keypoint {
   float x = 0;         ///< [px]
   float y = 0;         ///< [px]
   float response = 0;  ///< corner score, comparable within one image
-  float angle = 0;     ///< [rad], clockwise in the image; 0 for upright BRIEF
+  float angle = 0;     ///< [rad], clockwise in the image, by which the patch was turned
   std::int32_t octave = 0;
 };
 

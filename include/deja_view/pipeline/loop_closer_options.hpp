@@ -93,6 +93,7 @@ struct VirtualViewOptions {
   int max_features = 350;   ///< strongest, spread over the image
   int max_tried = 6;        ///< candidates per keyframe that are verified with their views
   int max_waiting = 400;    ///< views whose keyframe has not come yet; the oldest is given up first
+  int max_waiting_mb = 64;  ///< the same of their images and features [MiB]
   bool use_offline = true;  ///< take a message's own features where it has them
   double min_certainty = 0.5;  ///< of a pixel (1: certain): a keypoint below is not used
   int min_features = 30;       ///< certain keypoints that a view must have
@@ -108,6 +109,7 @@ struct VirtualViewOptions {
     v("max_features", max_features);
     v("max_tried", max_tried);
     v("max_waiting", max_waiting);
+    v("max_waiting_mb", max_waiting_mb);
     v("use_offline", use_offline);
     v("min_certainty", min_certainty);
     v("min_features", min_features);

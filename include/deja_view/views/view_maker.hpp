@@ -74,7 +74,7 @@ struct ViewContent {
 struct ViewSource {
   std::int64_t stamp_ns = 0;
   cv::Mat image;  ///< CV_8UC1, the camera's size
-  Rigid3 T_N_C;
+  Rigid3 T_N_C;   ///< z of N points up, as in a VIO's world, where views are to have features
 };
 
 /// Views of one image, and how they came about.
@@ -102,7 +102,9 @@ class ViewMaker {
   MadeViews Make(const ViewSource& source, const ViewRenderer& renderer, int threads) const;
 
  private:
-  VirtualView MakeView(const RenderedView& rendered, const Rigid3& T_C_V) const;
+  VirtualView MakeView(const RenderedView& rendered,
+                       const Rigid3& T_N_C,
+                       const Rigid3& T_C_V) const;
 
   ViewOptions options_;
   ViewContent content_;

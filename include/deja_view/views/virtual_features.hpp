@@ -11,9 +11,10 @@ namespace deja_view {
 ///
 /// The depth is that of the keypoint's pixel. Its variance is the render's own there plus that of
 /// the depths in the 3 x 3 pixels around it: beside an edge in depth a corner may belong to either
-/// side. `view.image` is CV_8UC1.
+/// side. `view.image` is CV_8UC1, `vertical` its field.
 VirtualFeatures ExtractVirtualFeatures(const RenderedView& view,
                                        const FeatureExtractor& extractor,
+                                       const VerticalField& vertical,
                                        double min_opacity);
 
 /// The same of a view as its message carries it: keypoints whose certainty is at least
@@ -21,6 +22,7 @@ VirtualFeatures ExtractVirtualFeatures(const RenderedView& view,
 /// depth edge and no sigma. The view must have an image.
 VirtualFeatures ExtractVirtualFeatures(const VirtualView& view,
                                        const FeatureExtractor& extractor,
+                                       const VerticalField& vertical,
                                        double min_certainty);
 
 }  // namespace deja_view

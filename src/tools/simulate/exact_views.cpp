@@ -24,7 +24,9 @@ VirtualView ExactViews::RenderAt(std::int64_t stamp_ns, const Rigid3& T_C_V) con
       simulator_.renderer(), simulator_.camera(), CameraPose(stamp_ns), T_C_V, options_);
   view.stamp_ns = stamp_ns;
   if (content_ != "image") {
-    view.features = ExtractVirtualFeatures(view, *extractor_, 0.0);
+    const Rigid3 T_W_V = CameraPose(stamp_ns) * T_C_V;
+    view.features = ExtractVirtualFeatures(
+        view, *extractor_, MakeVerticalField(FeatureOptions{}, *view.camera, T_W_V.q), 0.0);
   }
   if (content_ == "features") {
     view.image = view.depth_mm = cv::Mat();

@@ -73,7 +73,7 @@ TEST(BriefExtractor, DescribesPointsAtAndBeyondTheBorder) {
                                            {295, 215.49F},
                                            {NAN, INFINITY}};
   std::vector<Descriptor> descriptors(3);
-  BriefExtractor().Extract(image, points, &descriptors);
+  BriefExtractor().Extract(image, {}, points, &descriptors);
   ASSERT_EQ(descriptors.size(), points.size());
   const cv::Mat smooth = Smooth(image);
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
@@ -88,7 +88,7 @@ TEST(BriefExtractor, TruncatesPointsWhenAsked) {
   BriefOptions options;
   options.point_rounding = PixelRounding::kTruncate;
   std::vector<Descriptor> descriptors;
-  BriefExtractor(options).Extract(image, {{160.9F, 120.9F}}, &descriptors);
+  BriefExtractor(options).Extract(image, {}, {{160.9F, 120.9F}}, &descriptors);
   EXPECT_EQ(descriptors[0], ReferenceBrief(Smooth(image), 160, 120, DefaultBriefPattern()));
 }
 

@@ -27,6 +27,7 @@ Descriptor FromRow(const cv::Mat& rows, int i) {
 TEST(OrbExtractor, DescriptorsAreOpenCvs) {
   const cv::Mat image = test::SyntheticImage(752, 480, 1);
   OrbOptions options;
+  options.levels = 8;
   const Features features = OrbExtractor(options).Extract(image);
   EXPECT_GT(features.keypoints.size(), 900U);
   std::vector<cv::KeyPoint> keypoints;
@@ -82,7 +83,7 @@ TEST(OrbExtractor, DescribesPointsEverywhere) {
     points.emplace_back(static_cast<float>(pixel.x) + 0.4F, static_cast<float>(pixel.y) - 0.4F);
   }
   std::vector<Descriptor> descriptors;
-  OrbExtractor().Extract(image, points, &descriptors);
+  OrbExtractor().Extract(image, {}, points, &descriptors);
   ASSERT_EQ(descriptors.size(), points.size());
   cv::Mat rows;
   cv::ORB::create(1000, 1.2F, 1, 19, 0, 2, cv::ORB::HARRIS_SCORE, 31)->compute(image, inner, rows);
@@ -133,6 +134,7 @@ TEST(OrbExtractor, EveryModeKeepsItsLimitAndSpreads) {
        {QuadtreeMode::kCount, QuadtreeMode::kStd, QuadtreeMode::kAdaptiveFast}) {
     OrbOptions options;
     options.quadtree = mode;
+    options.levels = 8;
     options.max_features = 500;
     const Features features = OrbExtractor(options).Extract(image);
     EXPECT_EQ(features.keypoints.size(), features.descriptors.size());
@@ -153,7 +155,7 @@ TEST(OrbExtractor, IsDeterministicAndTakesSmallImages) {
   const OrbExtractor extractor;
   EXPECT_EQ(extractor.Extract(image).descriptors, extractor.Extract(image).descriptors);
   std::vector<Descriptor> descriptors;
-  EXPECT_TRUE(extractor.Extract(cv::Mat(3, 3, CV_8UC1, cv::Scalar(9)), {{1, 1}}, &descriptors)
+  EXPECT_TRUE(extractor.Extract(cv::Mat(3, 3, CV_8UC1, cv::Scalar(9)), {}, {{1, 1}}, &descriptors)
                   .keypoints.empty());
   EXPECT_EQ(descriptors.size(), 1U);
   EXPECT_TRUE(extractor.Extract(cv::Mat(480, 752, CV_8UC1, cv::Scalar(9))).keypoints.empty());

@@ -131,6 +131,36 @@ TEST_F(ViewShelfTest, ViewsWaitForTheirKeyframe) {
   EXPECT_EQ(shelf.counts().kept, 2);
 }
 
+TEST_F(ViewShelfTest, ViewsWaitWithinTheirMemory) {
+  options_.max_waiting_mb = 1;
+  ViewShelf shelf = Make();
+  VirtualView view = View(3, 0);
+  view.image = cv::Mat(view.camera->height(), view.camera->width(), CV_8UC1, cv::Scalar(7));
+  for (int i = 0; i < 5; ++i) {  // of 0.34 MiB each
+    view.index = i;
+    EXPECT_EQ(shelf.Add(view, keyframes_), ViewOutcome::kWaiting);
+  }
+  EXPECT_EQ(shelf.counts().waiting, 2);
+  EXPECT_EQ(shelf.counts().no_keyframe, 3);
+  AddKeyframe(3, true);
+  shelf.AttachWaiting(3, keyframes_);
+  EXPECT_THAT(Indices(shelf, 3), ElementsAre(3, 4));
+  EXPECT_EQ(shelf.Add(View(4, 5), keyframes_), ViewOutcome::kWaiting);
+  EXPECT_EQ(shelf.counts().waiting, 1) << "the others' memory is free again";
+}
+
+TEST_F(ViewShelfTest, TakesOnlyFeaturesThatAreTurnedAsTheWorldStands) {
+  ViewShelf shelf = Make();
+  VirtualView view = View(0, 0);
+  view.T_C_V.q = Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ());
+  EXPECT_EQ(shelf.Add(view, keyframes_), ViewOutcome::kUncertain) << "upright in the image";
+  for (Keypoint& keypoint : view.features.features.keypoints) {
+    keypoint.angle = -0.5F;
+  }
+  // That it does not show what it says is another matter.
+  EXPECT_EQ(shelf.Add(view, keyframes_), ViewOutcome::kDisagrees);
+}
+
 TEST_F(ViewShelfTest, DropsWhatDoesNotShowItsSource) {
   ViewShelf shelf = Make();
   EXPECT_EQ(shelf.Add(View(0, 0, 5), keyframes_), ViewOutcome::kDisagrees);

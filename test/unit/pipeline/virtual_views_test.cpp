@@ -156,7 +156,7 @@ TEST(VirtualViews, AKeyframeThatIsNoPlaceTakesNone) {
 TEST(VirtualViews, FeaturesAloneAreEnough) {
   VirtualView view = View(0, 0);
   const auto extractor = MakeFeatureExtractor(FeatureOptions{});
-  view.features = ExtractVirtualFeatures(view, *extractor, 0.0);
+  view.features = ExtractVirtualFeatures(view, *extractor, {}, 0.0);
   EXPECT_GT(view.features.features.keypoints.size(), 100U);
   view.image = view.depth_mm = cv::Mat();
   LoopCloser closer = WithKeyframes(1);

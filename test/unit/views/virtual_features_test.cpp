@@ -19,7 +19,7 @@ TEST(VirtualFeaturesTest, KeypointsKnowTheirDepth) {
     const std::unique_ptr<FeatureExtractor> extractor =
         name == "brief" ? std::unique_ptr<FeatureExtractor>(std::make_unique<BriefExtractor>())
                         : std::make_unique<OrbExtractor>();
-    const VirtualFeatures features = ExtractVirtualFeatures(view, *extractor, 0.5);
+    const VirtualFeatures features = ExtractVirtualFeatures(view, *extractor, {}, 0.5);
     EXPECT_EQ(features.descriptor, name);
     const Features direct = extractor->Extract(view.image);
     EXPECT_EQ(features.features.descriptors, direct.descriptors);
@@ -39,7 +39,7 @@ TEST(VirtualFeaturesTest, ADepthEdgeMakesDepthUncertain) {
   RenderedView view = RoomRenderer(0.0).Render(kPlainCamera, {}, {});
   view.depth(cv::Rect(0, 0, 160, 240)).setTo(1);
   view.depth(cv::Rect(160, 0, 160, 240)).setTo(3);
-  const VirtualFeatures features = ExtractVirtualFeatures(view, BriefExtractor(), 0.5);
+  const VirtualFeatures features = ExtractVirtualFeatures(view, BriefExtractor(), {}, 0.5);
   for (std::size_t i = 0; i < features.depth_m.size(); ++i) {
     const auto x = static_cast<int>(std::lround(features.features.keypoints[i].x));
     const bool is_beside = x == 159 || x == 160;
@@ -55,7 +55,7 @@ TEST(VirtualFeaturesTest, LeavesOutWhatIsNotThere) {
   RenderedView view = RoomRenderer().Render(kPlainCamera, {}, {});
   view.opacity(cv::Rect(0, 0, 160, 240)).setTo(0.3);
   view.depth(cv::Rect(160, 0, 160, 120)).setTo(0);
-  const VirtualFeatures features = ExtractVirtualFeatures(view, BriefExtractor(), 0.5);
+  const VirtualFeatures features = ExtractVirtualFeatures(view, BriefExtractor(), {}, 0.5);
   ASSERT_GT(features.depth_m.size(), 20U);
   int unknown = 0;
   for (std::size_t i = 0; i < features.depth_m.size(); ++i) {
