@@ -11,10 +11,7 @@ namespace deja_view {
 enum class Colour { kRed, kGreen };
 
 template <>
-struct EnumNames<Colour> {
-  static constexpr std::pair<Colour, const char*> kNames[] = {{Colour::kRed, "red"},
-                                                              {Colour::kGreen, "green"}};
-};
+inline constexpr auto kEnumNames<Colour> = EnumNames("red", "green");
 
 namespace {
 
