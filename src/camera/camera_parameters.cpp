@@ -41,81 +41,89 @@ void CheckFocalLengths(double x, double y, const std::string& name) {
   }
 }
 
-std::unique_ptr<Camera> MakePinhole(const CameraParameters& p, const std::string& name) {
-  CheckNumbers(p.distortion, "distortion", "k1, k2, p1, p2", 4, name);
-  CheckNumbers(p.projection, "projection", "fx, fy, cx, cy", 4, name);
-  CheckFocalLengths(p.projection[0], p.projection[1], name);
-  return std::make_unique<PinholeCamera>(PinholeParameters{p.width,
-                                                           p.height,
-                                                           p.projection[0],
-                                                           p.projection[1],
-                                                           p.projection[2],
-                                                           p.projection[3],
-                                                           p.distortion[0],
-                                                           p.distortion[1],
-                                                           p.distortion[2],
-                                                           p.distortion[3]});
+// Where a lens keeps the numbers of CameraParameters, in their order, and what files call them.
+template <typename Lens>
+struct Layout {
+  const char* projection_names;
+  std::vector<double Lens::*> projection;
+  const char* distortion_names;
+  std::vector<double Lens::*> distortion;
+};
+
+const Layout<PinholeParameters>& LayoutOf(const PinholeParameters& /*lens*/) {
+  using P = PinholeParameters;
+  static const Layout<P> layout = {"fx, fy, cx, cy",
+                                   {&P::fx, &P::fy, &P::cx, &P::cy},
+                                   "k1, k2, p1, p2",
+                                   {&P::k1, &P::k2, &P::p1, &P::p2}};
+  return layout;
 }
 
-std::unique_ptr<Camera> MakeKannalaBrandt(const CameraParameters& p, const std::string& name) {
-  CheckNumbers(p.distortion, "distortion", "k2, k3, k4, k5", 4, name);
-  CheckNumbers(p.projection, "projection", "mu, mv, u0, v0", 4, name);
-  CheckFocalLengths(p.projection[0], p.projection[1], name);
-  return std::make_unique<KannalaBrandtCamera>(KannalaBrandtParameters{p.width,
-                                                                       p.height,
-                                                                       p.distortion[0],
-                                                                       p.distortion[1],
-                                                                       p.distortion[2],
-                                                                       p.distortion[3],
-                                                                       p.projection[0],
-                                                                       p.projection[1],
-                                                                       p.projection[2],
-                                                                       p.projection[3]});
+const Layout<KannalaBrandtParameters>& LayoutOf(const KannalaBrandtParameters& /*lens*/) {
+  using P = KannalaBrandtParameters;
+  static const Layout<P> layout = {"mu, mv, u0, v0",
+                                   {&P::mu, &P::mv, &P::u0, &P::v0},
+                                   "k2, k3, k4, k5",
+                                   {&P::k2, &P::k3, &P::k4, &P::k5}};
+  return layout;
 }
 
-std::unique_ptr<Camera> MakeMei(const CameraParameters& p, const std::string& name) {
-  CheckNumbers(p.distortion, "distortion", "k1, k2, p1, p2", 4, name);
-  CheckNumbers(p.projection, "projection", "xi, gamma1, gamma2, u0, v0", 5, name);
-  CheckFocalLengths(p.projection[1], p.projection[2], name);
-  if (p.projection[0] < 0) {
-    ThrowInputError("{}: projection: xi {}: expected 0 or more", name, p.projection[0]);
+const Layout<MeiParameters>& LayoutOf(const MeiParameters& /*lens*/) {
+  using P = MeiParameters;
+  static const Layout<P> layout = {"xi, gamma1, gamma2, u0, v0",
+                                   {&P::xi, &P::gamma1, &P::gamma2, &P::u0, &P::v0},
+                                   "k1, k2, p1, p2",
+                                   {&P::k1, &P::k2, &P::p1, &P::p2}};
+  return layout;
+}
+
+template <typename Lens>
+Lens ToLens(const CameraParameters& numbers, const std::string& name) {
+  Lens lens;
+  const Layout<Lens>& layout = LayoutOf(lens);
+  const auto assign = [&](const std::vector<double>& values,
+                          const char* field,
+                          const char* expected,
+                          const std::vector<double Lens::*>& members) {
+    CheckNumbers(values, field, expected, members.size(), name);
+    for (std::size_t i = 0; i < members.size(); ++i) {
+      lens.*members[i] = values[i];
+    }
+  };
+  lens.width = numbers.width;
+  lens.height = numbers.height;
+  assign(numbers.distortion, "distortion", layout.distortion_names, layout.distortion);
+  assign(numbers.projection, "projection", layout.projection_names, layout.projection);
+  return lens;
+}
+
+template <typename Lens>
+CameraParameters ToNumbers(const Camera& camera, const Lens& lens) {
+  CameraParameters numbers;
+  numbers.model = camera.ModelType();
+  numbers.width = camera.width();
+  numbers.height = camera.height();
+  for (const auto member : LayoutOf(lens).distortion) {
+    numbers.distortion.push_back(lens.*member);
   }
-  return std::make_unique<MeiCamera>(MeiParameters{p.width,
-                                                   p.height,
-                                                   p.projection[0],
-                                                   p.distortion[0],
-                                                   p.distortion[1],
-                                                   p.distortion[2],
-                                                   p.distortion[3],
-                                                   p.projection[1],
-                                                   p.projection[2],
-                                                   p.projection[3],
-                                                   p.projection[4]});
+  for (const auto member : LayoutOf(lens).projection) {
+    numbers.projection.push_back(lens.*member);
+  }
+  return numbers;
 }
 
 }  // namespace
 
 CameraParameters DescribeCamera(const Camera& camera) {
-  CameraParameters result;
-  result.model = camera.ModelType();
-  result.width = camera.width();
-  result.height = camera.height();
   if (const auto* pinhole = dynamic_cast<const PinholeCamera*>(&camera)) {
-    const PinholeParameters& p = pinhole->parameters();
-    result.distortion = {p.k1, p.k2, p.p1, p.p2};
-    result.projection = {p.fx, p.fy, p.cx, p.cy};
-  } else if (const auto* fisheye = dynamic_cast<const KannalaBrandtCamera*>(&camera)) {
-    const KannalaBrandtParameters& p = fisheye->parameters();
-    result.distortion = {p.k2, p.k3, p.k4, p.k5};
-    result.projection = {p.mu, p.mv, p.u0, p.v0};
-  } else {
-    const auto* mei = dynamic_cast<const MeiCamera*>(&camera);
-    DEJA_VIEW_CHECK(mei != nullptr);
-    const MeiParameters& p = mei->parameters();
-    result.distortion = {p.k1, p.k2, p.p1, p.p2};
-    result.projection = {p.xi, p.gamma1, p.gamma2, p.u0, p.v0};
+    return ToNumbers(camera, pinhole->parameters());
   }
-  return result;
+  if (const auto* fisheye = dynamic_cast<const KannalaBrandtCamera*>(&camera)) {
+    return ToNumbers(camera, fisheye->parameters());
+  }
+  const auto* mei = dynamic_cast<const MeiCamera*>(&camera);
+  DEJA_VIEW_CHECK(mei != nullptr);
+  return ToNumbers(camera, mei->parameters());
 }
 
 std::unique_ptr<Camera> MakeCamera(const CameraParameters& parameters, const std::string& name) {
@@ -128,13 +136,22 @@ std::unique_ptr<Camera> MakeCamera(const CameraParameters& parameters, const std
                     kMaxSide);
   }
   if (parameters.model == "PINHOLE") {
-    return MakePinhole(parameters, name);
+    const auto lens = ToLens<PinholeParameters>(parameters, name);
+    CheckFocalLengths(lens.fx, lens.fy, name);
+    return std::make_unique<PinholeCamera>(lens);
   }
   if (parameters.model == "KANNALA_BRANDT") {
-    return MakeKannalaBrandt(parameters, name);
+    const auto lens = ToLens<KannalaBrandtParameters>(parameters, name);
+    CheckFocalLengths(lens.mu, lens.mv, name);
+    return std::make_unique<KannalaBrandtCamera>(lens);
   }
   if (parameters.model == "MEI") {
-    return MakeMei(parameters, name);
+    const auto lens = ToLens<MeiParameters>(parameters, name);
+    CheckFocalLengths(lens.gamma1, lens.gamma2, name);
+    if (lens.xi < 0) {
+      ThrowInputError("{}: projection: xi {}: expected 0 or more", name, lens.xi);
+    }
+    return std::make_unique<MeiCamera>(lens);
   }
   ThrowInputError("{}: camera model '{}': expected PINHOLE, KANNALA_BRANDT or MEI",
                   name,

@@ -9,18 +9,10 @@
 #include "scaling.hpp"
 
 namespace deja_view {
-namespace {
-
-internal::RadTan Distortion(const MeiParameters& p) {
-  return {p.k1, p.k2, p.p1, p.p2};
-}
-
-}  // namespace
-
 MeiCamera::MeiCamera(const MeiParameters& parameters)
     : Camera(parameters.width, parameters.height),
       parameters_(parameters),
-      max_radius_squared_(Distortion(parameters).MaxRadiusSquared()) {
+      max_radius_squared_(internal::RadTanOf(parameters).MaxRadiusSquared()) {
   const MeiParameters& p = parameters_;
   internal::CheckLens(
       p, {p.gamma1, p.gamma2}, {p.xi, p.k1, p.k2, p.p1, p.p2, p.gamma1, p.gamma2, p.u0, p.v0});
@@ -41,7 +33,8 @@ std::optional<Eigen::Vector2d> MeiCamera::Project(const Eigen::Vector3d& p_C,
     return std::nullopt;
   }
   Eigen::Matrix2d J_distortion;
-  const Eigen::Vector2d d = Distortion(p).Distort(u, J != nullptr ? &J_distortion : nullptr);
+  const Eigen::Vector2d d =
+      internal::RadTanOf(p).Distort(u, J != nullptr ? &J_distortion : nullptr);
   if (J != nullptr) {
     Eigen::RowVector3d d_denominator = (p.xi / norm) * p_C.transpose();
     d_denominator.z() += 1.0;
@@ -56,7 +49,7 @@ std::optional<Eigen::Vector2d> MeiCamera::Project(const Eigen::Vector3d& p_C,
 Eigen::Vector3d MeiCamera::Unproject(const Eigen::Vector2d& pixel) const {
   const MeiParameters& p = parameters_;
   const Eigen::Vector2d d((pixel.x() - p.u0) / p.gamma1, (pixel.y() - p.v0) / p.gamma2);
-  Eigen::Vector2d u = Distortion(p).Undistort(d);
+  Eigen::Vector2d u = internal::RadTanOf(p).Undistort(d);
   if (p.xi > 1.0) {
     // The sphere's outline: nothing projects beyond it.
     const double limit = 1.0 / std::sqrt(p.xi * p.xi - 1.0);

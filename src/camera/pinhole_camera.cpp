@@ -8,18 +8,10 @@
 #include "scaling.hpp"
 
 namespace deja_view {
-namespace {
-
-internal::RadTan Distortion(const PinholeParameters& p) {
-  return {p.k1, p.k2, p.p1, p.p2};
-}
-
-}  // namespace
-
 PinholeCamera::PinholeCamera(const PinholeParameters& parameters)
     : Camera(parameters.width, parameters.height),
       parameters_(parameters),
-      max_radius_squared_(Distortion(parameters).MaxRadiusSquared()) {
+      max_radius_squared_(internal::RadTanOf(parameters).MaxRadiusSquared()) {
   const PinholeParameters& p = parameters_;
   internal::CheckLens(p, {p.fx, p.fy}, {p.fx, p.fy, p.cx, p.cy, p.k1, p.k2, p.p1, p.p2});
 }
@@ -36,7 +28,7 @@ std::optional<Eigen::Vector2d> PinholeCamera::Project(const Eigen::Vector3d& p_C
   }
   Eigen::Matrix2d J_distortion;
   const Eigen::Vector2d d =
-      Distortion(parameters_).Distort(u, J != nullptr ? &J_distortion : nullptr);
+      internal::RadTanOf(parameters_).Distort(u, J != nullptr ? &J_distortion : nullptr);
   if (J != nullptr) {
     ProjectionJacobian J_plane;
     J_plane << inverse_z, 0, -u.x() * inverse_z, 0, inverse_z, -u.y() * inverse_z;
@@ -49,7 +41,7 @@ std::optional<Eigen::Vector2d> PinholeCamera::Project(const Eigen::Vector3d& p_C
 Eigen::Vector3d PinholeCamera::Unproject(const Eigen::Vector2d& pixel) const {
   const Eigen::Vector2d d((pixel.x() - parameters_.cx) / parameters_.fx,
                           (pixel.y() - parameters_.cy) / parameters_.fy);
-  const Eigen::Vector2d u = Distortion(parameters_).Undistort(d);
+  const Eigen::Vector2d u = internal::RadTanOf(parameters_).Undistort(d);
   return Eigen::Vector3d(u.x(), u.y(), 1.0).normalized();
 }
 

@@ -30,4 +30,10 @@ struct RadTan {
                                                double max_radius_squared) const;
 };
 
+/// That of PinholeParameters and MeiParameters.
+template <typename Lens>
+RadTan RadTanOf(const Lens& lens) {
+  return {lens.k1, lens.k2, lens.p1, lens.p2};
+}
+
 }  // namespace deja_view::internal

@@ -16,34 +16,9 @@ namespace {
 
 using Points = std::vector<Eigen::Vector3d>;
 
-Eigen::Vector3d Mean(const Points& points) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& p : points) {
-    sum += p;
-  }
-  return sum / static_cast<double>(points.size());
-}
-
-// Least squares over yaw and position: the yaw that turns the centred, horizontal parts on each
-// other.
-Similarity3 AlignYaw(const Points& p_A, const Points& p_B) {
-  const Eigen::Vector3d mean_A = Mean(p_A);
-  const Eigen::Vector3d mean_B = Mean(p_B);
-  double cosine = 0;
-  double sine = 0;
-  for (std::size_t i = 0; i < p_A.size(); ++i) {
-    const Eigen::Vector3d a = p_A[i] - mean_A;
-    const Eigen::Vector3d b = p_B[i] - mean_B;
-    cosine += b.x() * a.x() + b.y() * a.y();
-    sine += b.x() * a.y() - b.y() * a.x();
-  }
-  const Eigen::Quaterniond q = FromYaw(std::atan2(sine, cosine));
-  return {1.0, {q, mean_A - q * mean_B}};
-}
-
 Similarity3 Fit(const Points& p_A, const Points& p_B, AlignmentFreedom freedom) {
   if (freedom == AlignmentFreedom::kYaw) {
-    return AlignYaw(p_A, p_B);
+    return {1.0, AlignYaw(p_A, p_B)};
   }
   return AlignPoints(p_A, p_B, freedom == AlignmentFreedom::kSimilarity);
 }
@@ -108,7 +83,7 @@ double MedianRotation(const std::vector<Rigid3>& T_A_X,
 // with yaw alone, none across the vertical.
 bool IsRotationOpen(const Points& points, AlignmentFreedom freedom) {
   constexpr double kMinShare = 0.01;
-  const Eigen::Vector3d mean = Mean(points);
+  const Eigen::Vector3d mean = MeanPoint(points);
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   for (const Eigen::Vector3d& p : points) {
     scatter += (p - mean) * (p - mean).transpose();

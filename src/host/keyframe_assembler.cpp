@@ -3,6 +3,7 @@
 #include "deja_view/base/check.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -19,6 +20,15 @@ constexpr std::int64_t kStretchNs = 10 * kNanoseconds;
 // time.
 constexpr std::size_t kPoseMemory = 8;
 constexpr std::size_t kExtrinsicMemory = 256;
+
+// What counts the drops, in the order of their reasons.
+constexpr std::array<std::int64_t AssemblerCounts::*, kEnumNames<DropReason>.size()> kDropCounts = {
+    &AssemblerCounts::missing_image,
+    &AssemblerCounts::missing_points,
+    &AssemblerCounts::duplicates,
+    &AssemblerCounts::stray_stamps,
+    &AssemblerCounts::overflows,
+    &AssemblerCounts::unmatched};
 
 std::int64_t ToNanoseconds(double seconds) {
   return static_cast<std::int64_t>(std::llround(seconds * 1e9));
@@ -185,26 +195,7 @@ void KeyframeAssembler::Flush() {
 }
 
 void KeyframeAssembler::Drop(DropReason reason, std::int64_t stamp_ns) {
-  switch (reason) {
-    case DropReason::kMissingImage:
-      ++counts_.missing_image;
-      break;
-    case DropReason::kMissingPoints:
-      ++counts_.missing_points;
-      break;
-    case DropReason::kDuplicate:
-      ++counts_.duplicates;
-      break;
-    case DropReason::kStrayStamp:
-      ++counts_.stray_stamps;
-      break;
-    case DropReason::kOverflow:
-      ++counts_.overflows;
-      break;
-    case DropReason::kUnmatched:
-      ++counts_.unmatched;
-      break;
-  }
+  ++(counts_.*kDropCounts[static_cast<std::size_t>(reason)]);
   if (on_drop_) {
     on_drop_(reason, stamp_ns);
   }

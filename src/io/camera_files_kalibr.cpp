@@ -1,6 +1,4 @@
-#include "deja_view/camera/kannala_brandt_camera.hpp"
-#include "deja_view/camera/mei_camera.hpp"
-#include "deja_view/camera/pinhole_camera.hpp"
+#include "deja_view/camera/camera_parameters.hpp"
 
 #include <string>
 #include <vector>
@@ -36,21 +34,12 @@ Distortion ReadDistortion(const YamlSection& camera, const std::string& coeffici
   return distortion;
 }
 
-template <typename Parameters>
-Parameters WithResolution(const YamlSection& camera) {
+std::shared_ptr<const Camera> MakeCameraOf(const YamlSection& camera,
+                                           const char* model,
+                                           const std::vector<double>& distortion,
+                                           const std::vector<double>& projection) {
   const auto [width, height] = camera.GetTwoSizes("resolution");
-  Parameters p;
-  p.width = width;
-  p.height = height;
-  return p;
-}
-
-template <typename Parameters>
-void SetRadtan(const std::vector<double>& k, Parameters* p) {
-  p->k1 = k[0];
-  p->k2 = k[1];
-  p->p1 = k[2];
-  p->p2 = k[3];
+  return MakeCamera({model, width, height, distortion, projection}, camera.path().string());
 }
 
 std::shared_ptr<const Camera> ReadPinhole(const YamlSection& camera,
@@ -60,25 +49,7 @@ std::shared_ptr<const Camera> ReadPinhole(const YamlSection& camera,
   if (f[0] <= 0 || f[1] <= 0) {
     camera.Fail("intrinsics", kFocalLengths);
   }
-  if (is_equidistant) {
-    auto p = WithResolution<KannalaBrandtParameters>(camera);
-    p.k2 = k[0];
-    p.k3 = k[1];
-    p.k4 = k[2];
-    p.k5 = k[3];
-    p.mu = f[0];
-    p.mv = f[1];
-    p.u0 = f[2];
-    p.v0 = f[3];
-    return std::make_shared<KannalaBrandtCamera>(p);
-  }
-  auto p = WithResolution<PinholeParameters>(camera);
-  p.fx = f[0];
-  p.fy = f[1];
-  p.cx = f[2];
-  p.cy = f[3];
-  SetRadtan(k, &p);
-  return std::make_shared<PinholeCamera>(p);
+  return MakeCameraOf(camera, is_equidistant ? "KANNALA_BRANDT" : "PINHOLE", k, f);
 }
 
 std::shared_ptr<const Camera> ReadOmni(const YamlSection& camera) {
@@ -93,14 +64,7 @@ std::shared_ptr<const Camera> ReadOmni(const YamlSection& camera) {
   if (f[1] <= 0 || f[2] <= 0) {
     camera.Fail("intrinsics", kFocalLengths);
   }
-  auto p = WithResolution<MeiParameters>(camera);
-  p.xi = f[0];
-  p.gamma1 = f[1];
-  p.gamma2 = f[2];
-  p.u0 = f[3];
-  p.v0 = f[4];
-  SetRadtan(k, &p);
-  return std::make_shared<MeiCamera>(p);
+  return MakeCameraOf(camera, "MEI", k, f);
 }
 
 std::shared_ptr<const Camera> ReadChainCamera(const YamlSection& camera) {

@@ -1,55 +1,27 @@
-#include "deja_view/camera/kannala_brandt_camera.hpp"
-#include "deja_view/camera/pinhole_camera.hpp"
+#include "deja_view/camera/camera_parameters.hpp"
 
+#include <algorithm>
 #include <string>
+#include <vector>
 
 #include "camera_files.hpp"
 
 namespace deja_view::internal {
 namespace {
 
-constexpr const char* kWidth = "Camera.width";
-constexpr const char* kHeight = "Camera.height";
-
-std::shared_ptr<const Camera> ReadPinhole(const YamlSection& root,
-                                          const std::string& prefix,
-                                          bool is_rectified) {
-  PinholeParameters p;
-  p.width = root.GetSize(kWidth);
-  p.height = root.GetSize(kHeight);
-  p.fx = root.GetPositive(prefix + "fx");
-  p.fy = root.GetPositive(prefix + "fy");
-  p.cx = root.GetFinite(prefix + "cx");
-  p.cy = root.GetFinite(prefix + "cy");
-  const bool has_distortion = root.Has(prefix + "k1") || root.Has(prefix + "k2") ||
-                              root.Has(prefix + "p1") || root.Has(prefix + "p2");
-  if (!is_rectified && has_distortion) {
-    p.k1 = root.GetFinite(prefix + "k1");
-    p.k2 = root.GetFinite(prefix + "k2");
-    p.p1 = root.GetFinite(prefix + "p1");
-    p.p2 = root.GetFinite(prefix + "p2");
-  }
+// What a pinhole's lens may have.
+std::vector<double> ReadRadtan(const YamlSection& root, const std::string& prefix) {
+  const std::vector<std::string> keys = {
+      prefix + "k1", prefix + "k2", prefix + "p1", prefix + "p2"};
+  const bool has_any =
+      std::any_of(keys.begin(), keys.end(), [&](const std::string& key) { return root.Has(key); });
+  const std::vector<double> radtan =
+      has_any ? root.GetFinites(keys) : std::vector<double>(keys.size(), 0.0);
   const std::string k3 = prefix + "k3";
-  if (!is_rectified && root.Has(k3) && root.GetFinite(k3) != 0) {
+  if (root.Has(k3) && root.GetFinite(k3) != 0) {
     root.Fail(k3, "0, or a calibration with k1, k2, p1 and p2 alone");
   }
-  return std::make_shared<PinholeCamera>(p);
-}
-
-std::shared_ptr<const Camera> ReadKannalaBrandt(const YamlSection& root,
-                                                const std::string& prefix) {
-  KannalaBrandtParameters p;
-  p.width = root.GetSize(kWidth);
-  p.height = root.GetSize(kHeight);
-  p.mu = root.GetPositive(prefix + "fx");
-  p.mv = root.GetPositive(prefix + "fy");
-  p.u0 = root.GetFinite(prefix + "cx");
-  p.v0 = root.GetFinite(prefix + "cy");
-  p.k2 = root.GetFinite(prefix + "k1");
-  p.k3 = root.GetFinite(prefix + "k2");
-  p.k4 = root.GetFinite(prefix + "k3");
-  p.k5 = root.GetFinite(prefix + "k4");
-  return std::make_shared<KannalaBrandtCamera>(p);
+  return radtan;
 }
 
 std::shared_ptr<const Camera> ReadOrbSlamCamera(const YamlSection& root) {
@@ -58,13 +30,26 @@ std::shared_ptr<const Camera> ReadOrbSlamCamera(const YamlSection& root) {
   const bool is_old = root.Has("Camera.fx") && !root.Has("Camera1.fx");
   const std::string prefix = is_old ? "Camera." : "Camera1.";
   const auto type = root.Get<std::string>("Camera.type", kTypes);
-  if (type == "PinHole" || type == "Rectified") {
-    return ReadPinhole(root, prefix, type == "Rectified");
+  const bool is_fisheye = type == "KannalaBrandt8";
+  if (!is_fisheye && type != "PinHole" && type != "Rectified") {
+    root.Fail("Camera.type", kTypes);
   }
-  if (type == "KannalaBrandt8") {
-    return ReadKannalaBrandt(root, prefix);
+  CameraParameters camera;
+  camera.model = is_fisheye ? "KANNALA_BRANDT" : "PINHOLE";
+  camera.width = root.GetSize("Camera.width");
+  camera.height = root.GetSize("Camera.height");
+  camera.projection = {root.GetPositive(prefix + "fx"),
+                       root.GetPositive(prefix + "fy"),
+                       root.GetFinite(prefix + "cx"),
+                       root.GetFinite(prefix + "cy")};
+  if (is_fisheye) {
+    camera.distortion =
+        root.GetFinites({prefix + "k1", prefix + "k2", prefix + "k3", prefix + "k4"});
+  } else {
+    camera.distortion =
+        type == "Rectified" ? std::vector<double>(4, 0.0) : ReadRadtan(root, prefix);
   }
-  root.Fail("Camera.type", kTypes);
+  return MakeCamera(camera, root.path().string());
 }
 
 }  // namespace

@@ -1,8 +1,7 @@
 #include "deja_view/base/check.hpp"
-#include "deja_view/camera/kannala_brandt_camera.hpp"
-#include "deja_view/camera/mei_camera.hpp"
-#include "deja_view/camera/pinhole_camera.hpp"
+#include "deja_view/camera/camera_parameters.hpp"
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -11,75 +10,43 @@
 namespace deja_view::internal {
 namespace {
 
-template <typename Parameters>
-Parameters WithSize(const YamlSection& root) {
-  Parameters p;
-  p.width = root.GetSize("image_width");
-  p.height = root.GetSize("image_height");
-  return p;
+// Focal lengths and principal point.
+std::vector<double> ReadProjection(const YamlSection& root,
+                                   const std::array<const char*, 4>& keys) {
+  const YamlSection section = root.Child("projection_parameters");
+  return {section.GetPositive(keys[0]),
+          section.GetPositive(keys[1]),
+          section.GetFinite(keys[2]),
+          section.GetFinite(keys[3])};
 }
 
-template <typename Parameters>
-void ReadRadtan(const YamlSection& root, Parameters* p) {
-  const YamlSection distortion = root.Child("distortion_parameters");
-  p->k1 = distortion.GetFinite("k1");
-  p->k2 = distortion.GetFinite("k2");
-  p->p1 = distortion.GetFinite("p1");
-  p->p2 = distortion.GetFinite("p2");
-}
-
-std::shared_ptr<const Camera> ReadPinhole(const YamlSection& root) {
-  auto p = WithSize<PinholeParameters>(root);
-  const YamlSection projection = root.Child("projection_parameters");
-  p.fx = projection.GetPositive("fx");
-  p.fy = projection.GetPositive("fy");
-  p.cx = projection.GetFinite("cx");
-  p.cy = projection.GetFinite("cy");
-  ReadRadtan(root, &p);
-  return std::make_shared<PinholeCamera>(p);
-}
-
-std::shared_ptr<const Camera> ReadKannalaBrandt(const YamlSection& root) {
-  auto p = WithSize<KannalaBrandtParameters>(root);
-  const YamlSection projection = root.Child("projection_parameters");
-  p.k2 = projection.GetFinite("k2");
-  p.k3 = projection.GetFinite("k3");
-  p.k4 = projection.GetFinite("k4");
-  p.k5 = projection.GetFinite("k5");
-  p.mu = projection.GetPositive("mu");
-  p.mv = projection.GetPositive("mv");
-  p.u0 = projection.GetFinite("u0");
-  p.v0 = projection.GetFinite("v0");
-  return std::make_shared<KannalaBrandtCamera>(p);
-}
-
-std::shared_ptr<const Camera> ReadMei(const YamlSection& root) {
-  auto p = WithSize<MeiParameters>(root);
-  const YamlSection mirror = root.Child("mirror_parameters");
-  p.xi = mirror.GetNotNegative("xi");
-  ReadRadtan(root, &p);
-  const YamlSection projection = root.Child("projection_parameters");
-  p.gamma1 = projection.GetPositive("gamma1");
-  p.gamma2 = projection.GetPositive("gamma2");
-  p.u0 = projection.GetFinite("u0");
-  p.v0 = projection.GetFinite("v0");
-  return std::make_shared<MeiCamera>(p);
+std::vector<double> ReadRadtan(const YamlSection& root) {
+  return root.Child("distortion_parameters").GetFinites({"k1", "k2", "p1", "p2"});
 }
 
 // The camera in camodocal's layout, which both VINS share.
 std::shared_ptr<const Camera> ReadCamera(const YamlSection& root) {
   constexpr const char* kModels = "PINHOLE, KANNALA_BRANDT or MEI";
-  const auto model = root.Get<std::string>("model_type", kModels);
-  if (model == "PINHOLE") {
-    return ReadPinhole(root);
+  CameraParameters camera;
+  camera.model = root.Get<std::string>("model_type", kModels);
+  if (camera.model != "PINHOLE" && camera.model != "KANNALA_BRANDT" && camera.model != "MEI") {
+    root.Fail("model_type", kModels);
   }
-  if (model == "KANNALA_BRANDT") {
-    return ReadKannalaBrandt(root);
+  camera.width = root.GetSize("image_width");
+  camera.height = root.GetSize("image_height");
+  if (camera.model == "PINHOLE") {
+    camera.projection = ReadProjection(root, {"fx", "fy", "cx", "cy"});
+    camera.distortion = ReadRadtan(root);
+  } else if (camera.model == "KANNALA_BRANDT") {
+    camera.distortion = root.Child("projection_parameters").GetFinites({"k2", "k3", "k4", "k5"});
+    camera.projection = ReadProjection(root, {"mu", "mv", "u0", "v0"});
+  } else {
+    camera.projection = {root.Child("mirror_parameters").GetNotNegative("xi")};
+    camera.distortion = ReadRadtan(root);
+    const std::vector<double> rest = ReadProjection(root, {"gamma1", "gamma2", "u0", "v0"});
+    camera.projection.insert(camera.projection.end(), rest.begin(), rest.end());
   }
-  if (model == "MEI") {
-    return ReadMei(root);
-  }
-  root.Fail("model_type", kModels);
+  return MakeCamera(camera, root.path().string());
 }
 
 }  // namespace

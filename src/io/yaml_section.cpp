@@ -41,6 +41,14 @@ double YamlSection::GetNotNegative(const std::string& key) const {
   return value;
 }
 
+std::vector<double> YamlSection::GetFinites(const std::vector<std::string>& keys) const {
+  std::vector<double> values;
+  for (const std::string& key : keys) {
+    values.push_back(GetFinite(key));
+  }
+  return values;
+}
+
 int YamlSection::GetSize(const std::string& key) const {
   const int value = Get<int>(key, "a number of pixels");
   if (value < 1 || value > 32768) {

@@ -39,6 +39,7 @@ class YamlSection {
   double GetFinite(const std::string& key) const;
   double GetPositive(const std::string& key) const;
   double GetNotNegative(const std::string& key) const;
+  std::vector<double> GetFinites(const std::vector<std::string>& keys) const;
 
   /// Pixels, from 1 to 32768; of two, the width is the first.
   int GetSize(const std::string& key) const;

@@ -18,9 +18,14 @@
 namespace deja_view {
 namespace {
 
-void BM_Brief(benchmark::State& state) {
+/// To be worked on by one thread.
+cv::Mat Picture() {
   cv::setNumThreads(1);
-  const cv::Mat image = test::SyntheticImage(752, 480, 1);
+  return test::SyntheticImage(752, 480, 1);
+}
+
+void BM_Brief(benchmark::State& state) {
+  const cv::Mat image = Picture();
   BriefOptions options;
   options.max_features = static_cast<int>(state.range(0));
   const BriefExtractor extractor(options);
@@ -40,8 +45,7 @@ void BM_Brief(benchmark::State& state) {
 BENCHMARK(BM_Brief)->Arg(1000)->Unit(benchmark::kMillisecond);
 
 void BM_Orb(benchmark::State& state) {
-  cv::setNumThreads(1);
-  const cv::Mat image = test::SyntheticImage(752, 480, 1);
+  const cv::Mat image = Picture();
   OrbOptions options;
   options.quadtree = static_cast<QuadtreeMode>(state.range(0));
   const OrbExtractor extractor(options);
@@ -55,8 +59,7 @@ void BM_Orb(benchmark::State& state) {
 BENCHMARK(BM_Orb)->DenseRange(0, 2)->Unit(benchmark::kMillisecond);
 
 void BM_OpenCvOrb(benchmark::State& state) {
-  cv::setNumThreads(1);
-  const cv::Mat image = test::SyntheticImage(752, 480, 1);
+  const cv::Mat image = Picture();
   const auto orb = cv::ORB::create(1000, 1.2F, 8, 19, 0, 2, cv::ORB::FAST_SCORE, 31);
   std::vector<cv::KeyPoint> keypoints;
   cv::Mat descriptors;
@@ -67,8 +70,7 @@ void BM_OpenCvOrb(benchmark::State& state) {
 BENCHMARK(BM_OpenCvOrb)->Unit(benchmark::kMillisecond);
 
 void BM_BriefSmoothing(benchmark::State& state) {
-  cv::setNumThreads(1);
-  const cv::Mat image = test::SyntheticImage(752, 480, 1);
+  const cv::Mat image = Picture();
   cv::Mat smooth;
   for (auto _ : state) {
     cv::GaussianBlur(image, smooth, {9, 9}, 2, 2);
@@ -78,8 +80,7 @@ void BM_BriefSmoothing(benchmark::State& state) {
 BENCHMARK(BM_BriefSmoothing)->Unit(benchmark::kMillisecond);
 
 void BM_Fast(benchmark::State& state) {
-  cv::setNumThreads(1);
-  const cv::Mat image = test::SyntheticImage(752, 480, 1);
+  const cv::Mat image = Picture();
   std::vector<cv::KeyPoint> corners;
   for (auto _ : state) {
     cv::FAST(image, corners, 20, true, cv::FastFeatureDetector::TYPE_9_16);

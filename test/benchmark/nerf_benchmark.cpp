@@ -1,5 +1,4 @@
 // Speed of the radiance field's kernels and of whole training steps.
-#include "deja_view/camera/pinhole_camera.hpp"
 #include "deja_view/nerf/trainer.hpp"
 
 #include <array>
@@ -9,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "test_cameras.hpp"
 #include <benchmark/benchmark.h>
 #include <opencv2/core.hpp>
 
@@ -139,18 +139,12 @@ BENCHMARK(LayerForward)->DenseRange(0, 4);
 
 /// Steps on noise images, which never leave the fog: every sample is coloured. Argument: threads.
 void TrainingStep(benchmark::State& state) {
-  PinholeParameters parameters;
-  parameters.width = 188;
-  parameters.height = 120;
-  parameters.fx = parameters.fy = 115;
-  parameters.cx = 93.5;
-  parameters.cy = 59.5;
-  const auto camera = std::make_shared<PinholeCamera>(parameters);
+  const auto camera = SharedPinholeOf(188, 120, 115, 93.5, 59.5);
   std::vector<TrainingView> views(32);
   for (std::size_t i = 0; i < views.size(); ++i) {
     const double u = static_cast<double>(i);
     views[i].camera = camera;
-    views[i].image.create(parameters.height, parameters.width, CV_8UC1);
+    views[i].image.create(camera->height(), camera->width(), CV_8UC1);
     cv::randu(views[i].image, 0, 255);
     views[i].T_N_C = {ExpSo3({0, 0.4 * u, 0}), {std::sin(u), 0, std::cos(u)}};
   }

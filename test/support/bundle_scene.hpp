@@ -67,17 +67,7 @@ struct BundleScene {
 };
 
 inline PinholeParameters BundleLens() {
-  PinholeParameters p;
-  p.width = 640;
-  p.height = 480;
-  p.fx = 420;
-  p.fy = 418;
-  p.cx = 322;
-  p.cy = 243;
-  p.k1 = -0.12;
-  p.k2 = 0.04;
-  p.p1 = 0.0005;
-  return p;
+  return {640, 480, 420, 418, 322, 243, -0.12, 0.04, 0.0005, 0};
 }
 
 class BundleSceneMaker {

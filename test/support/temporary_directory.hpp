@@ -4,6 +4,7 @@
 #include <fstream>
 #include <string>
 
+#include "error_messages.hpp"
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -30,16 +31,5 @@ class TemporaryDirectoryTest : public ::testing::Test {
 
   std::filesystem::path directory_;
 };
-
-/// What the call throws, or "no error".
-template <typename Error, typename Call>
-std::string MessageOf(Call call) {
-  try {
-    call();
-  } catch (const Error& e) {
-    return e.what();
-  }
-  return "no error";
-}
 
 }  // namespace deja_view

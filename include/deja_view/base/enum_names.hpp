@@ -1,36 +1,37 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 
 namespace deja_view {
 
-/// Names of an enum's values, for config files and messages. Specialise it beside the enum:
-///   template <> struct EnumNames<Kind> {
-///     static constexpr std::array<std::pair<Kind, const char*>, 2> kNames = {
-///         {{Kind::kBrief, "brief"}, {Kind::kOrb, "orb"}}};
-///   };
+/// Names of an enum's values, for config files and messages: those of 0, 1, 2 ... in this order.
+/// Specialise it beside the enum:
+///   template <>
+///   inline constexpr auto kEnumNames<Kind> = EnumNames("brief", "orb");
 template <typename Enum>
-struct EnumNames;
+inline constexpr auto kEnumNames = nullptr;
+
+template <typename... Text>
+constexpr std::array<std::string_view, sizeof...(Text)> EnumNames(Text... names) {
+  return {names...};
+}
 
 /// Name of `value`; "?" for a value without one.
 template <typename Enum>
 std::string EnumToString(Enum value) {
-  for (const auto& [candidate, name] : EnumNames<Enum>::kNames) {
-    if (candidate == value) {
-      return name;
-    }
-  }
-  return "?";
+  const auto i = static_cast<std::size_t>(value);
+  return std::string(i < kEnumNames<Enum>.size() ? kEnumNames<Enum>[i] : "?");
 }
 
 template <typename Enum>
 std::optional<Enum> EnumFromString(std::string_view text) {
-  for (const auto& [value, name] : EnumNames<Enum>::kNames) {
-    if (text == name) {
-      return value;
+  for (std::size_t i = 0; i < kEnumNames<Enum>.size(); ++i) {
+    if (text == kEnumNames<Enum>[i]) {
+      return static_cast<Enum>(i);
     }
   }
   return std::nullopt;
@@ -40,8 +41,8 @@ std::optional<Enum> EnumFromString(std::string_view text) {
 template <typename Enum>
 std::string EnumNameList() {
   std::string list;
-  for (const auto& entry : EnumNames<Enum>::kNames) {
-    list += (list.empty() ? "" : ", ") + std::string(entry.second);
+  for (const std::string_view name : kEnumNames<Enum>) {
+    list += (list.empty() ? "" : ", ") + std::string(name);
   }
   return list;
 }

@@ -2,9 +2,7 @@
 
 #include "deja_view/base/enum_names.hpp"
 
-#include <array>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace deja_view {
@@ -16,10 +14,7 @@ enum class PixelRounding {
 };
 
 template <>
-struct EnumNames<PixelRounding> {
-  static constexpr std::array<std::pair<PixelRounding, const char*>, 2> kNames = {
-      {{PixelRounding::kNearest, "nearest"}, {PixelRounding::kTruncate, "truncate"}}};
-};
+inline constexpr auto kEnumNames<PixelRounding> = EnumNames("nearest", "truncate");
 
 /// Options of BriefExtractor.
 struct BriefOptions {
@@ -57,12 +52,7 @@ enum class QuadtreeMode {
 };
 
 template <>
-struct EnumNames<QuadtreeMode> {
-  static constexpr std::array<std::pair<QuadtreeMode, const char*>, 3> kNames = {
-      {{QuadtreeMode::kCount, "count"},
-       {QuadtreeMode::kStd, "std"},
-       {QuadtreeMode::kAdaptiveFast, "adaptive_fast"}}};
-};
+inline constexpr auto kEnumNames<QuadtreeMode> = EnumNames("count", "std", "adaptive_fast");
 
 /// Options of OrbExtractor; the defaults are ORB-SLAM's, but for the quadtree's mode, which finds
 /// more of the points that a VIO tracks.
@@ -97,10 +87,7 @@ struct OrbOptions {
 enum class FeatureKind { kBrief, kOrb };
 
 template <>
-struct EnumNames<FeatureKind> {
-  static constexpr std::array<std::pair<FeatureKind, const char*>, 2> kNames = {
-      {{FeatureKind::kBrief, "brief"}, {FeatureKind::kOrb, "orb"}}};
-};
+inline constexpr auto kEnumNames<FeatureKind> = EnumNames("brief", "orb");
 
 /// How a patch is turned before it is described.
 enum class PatchOrientation {

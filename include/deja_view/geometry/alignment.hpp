@@ -22,11 +22,17 @@ struct Similarity3 {
   }
 };
 
+Eigen::Vector3d MeanPoint(const std::vector<Eigen::Vector3d>& points);
+
 /// Least-squares alignment of points, ‖p_A − (s R p_B + t)‖², by Umeyama (PAMI 1991).
 /// `with_scale` false keeps s = 1, as `evo_ape -a` does. Throws CheckError for sizes that differ or
 /// fewer than 3 points; for points on one line the rotation about it is arbitrary.
 Similarity3 AlignPoints(const std::vector<Eigen::Vector3d>& p_A,
                         const std::vector<Eigen::Vector3d>& p_B,
                         bool with_scale = false);
+
+/// The same over yaw and position alone: the yaw that turns the centred, horizontal parts on each
+/// other. Throws CheckError for sizes that differ or no points; for one point the yaw is 0.
+Rigid3 AlignYaw(const std::vector<Eigen::Vector3d>& p_A, const std::vector<Eigen::Vector3d>& p_B);
 
 }  // namespace deja_view

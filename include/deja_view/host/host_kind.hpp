@@ -3,9 +3,6 @@
 #include "deja_view/base/enum_names.hpp"
 #include "deja_view/host/vio_topics.hpp"
 
-#include <array>
-#include <utility>
-
 namespace deja_view {
 
 /// The odometries whose topics are known.
@@ -17,13 +14,8 @@ enum class HostKind {
 };
 
 template <>
-struct EnumNames<HostKind> {
-  static constexpr std::array<std::pair<HostKind, const char*>, 4> kNames = {
-      {{HostKind::kVinsMono, "vins_mono"},
-       {HostKind::kVinsFusion, "vins_fusion"},
-       {HostKind::kOpenVins, "openvins"},
-       {HostKind::kOdometry, "odometry"}}};
-};
+inline constexpr auto kEnumNames<HostKind> =
+    EnumNames("vins_mono", "vins_fusion", "openvins", "odometry");
 
 /// Topics under which the host publishes; those that it does not have are empty.
 VioTopics TopicsOf(HostKind host);

@@ -6,13 +6,11 @@
 #include "deja_view/host/keyframe_input.hpp"
 #include "deja_view/host/restart_detector.hpp"
 
-#include <array>
 #include <cstdint>
 #include <deque>
 #include <functional>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace deja_view {
@@ -73,15 +71,8 @@ enum class DropReason {
 };
 
 template <>
-struct EnumNames<DropReason> {
-  static constexpr std::array<std::pair<DropReason, const char*>, 6> kNames = {
-      {{DropReason::kMissingImage, "missing_image"},
-       {DropReason::kMissingPoints, "missing_points"},
-       {DropReason::kDuplicate, "duplicate"},
-       {DropReason::kStrayStamp, "stray_stamp"},
-       {DropReason::kOverflow, "overflow"},
-       {DropReason::kUnmatched, "unmatched"}}};
-};
+inline constexpr auto kEnumNames<DropReason> = EnumNames(
+    "missing_image", "missing_points", "duplicate", "stray_stamp", "overflow", "unmatched");
 
 /// How many messages came and what became of them.
 struct AssemblerCounts {

@@ -2,6 +2,7 @@
 
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/enum_names.hpp"
+#include "deja_view/base/requirements.hpp"
 #include "deja_view/io/config_node.hpp"
 
 #include <array>
@@ -246,24 +247,35 @@ class OptionsWriter {
 /// Joins violations into one InputError; nothing when there are none.
 void ThrowIfAny(const std::vector<std::string>& errors);
 
-template <typename Options>
-void ValidateFrom(const std::string& file, const Options& options) {
-  if constexpr (HasValidate<Options>::value) {
-    using Result = decltype(options.Validate());
-    if constexpr (std::is_void_v<Result>) {
-      try {
-        options.Validate();
-      } catch (const std::exception& e) {
-        ThrowInputError("{}: {}", file, e.what());
-      }
-    } else {
-      std::vector<std::string> errors;
-      for (const std::string& violation : options.Validate()) {
-        errors.push_back(fmt::format("{}: {}", file, violation));
-      }
-      ThrowIfAny(errors);
+/// Visitor that collects what Validate() of the fields finds.
+class PartsValidator {
+ public:
+  template <typename T>
+  void operator()(const char* key, T& field) {
+    if constexpr (HasValidate<T>::value) {
+      requirements_.Group(key, field.Validate());
     }
   }
+  const std::vector<std::string>& errors() const { return requirements_.errors(); }
+
+ private:
+  Requirements requirements_;
+};
+
+template <typename Options>
+void ValidateFrom(const std::string& file, Options* options) {
+  std::vector<std::string> violations;
+  if constexpr (HasValidate<Options>::value) {
+    violations = options->Validate();
+  } else {
+    PartsValidator parts;
+    options->Visit(parts);
+    violations = parts.errors();
+  }
+  for (std::string& violation : violations) {
+    violation = fmt::format("{}: {}", file, violation);
+  }
+  ThrowIfAny(violations);
 }
 
 template <typename Options>
@@ -273,7 +285,7 @@ void ApplyConfig(const ConfigNode& root, const std::string& file, Options* optio
   options->Visit(reader);
   reader.ReportUnknownKeys();
   ThrowIfAny(errors);
-  ValidateFrom(file, *options);
+  ValidateFrom(file, options);
 }
 
 /// {a: {b: value}} for "a.b=value".
@@ -281,10 +293,10 @@ ConfigNode ParseOverride(const std::string& assignment);
 
 }  // namespace internal
 
-/// Sets the fields that the file names; the others keep their value. Then calls Validate(), if the
-/// struct has one. Throws one InputError with all that is wrong: file and line, key, the value
-/// found and what was expected; for an unknown key the nearest known one. `*options` is then left
-/// as it was.
+/// Sets the fields that the file names; the others keep their value. Then calls Validate(), of the
+/// struct's parts if it has none of its own. Throws one InputError with all that is wrong: file and
+/// line, key, the value found and what was expected; for an unknown key the nearest known one.
+/// `*options` is then left as it was.
 template <typename Options>
 void ReadOptions(const std::filesystem::path& path, Options* options) {
   Options result = *options;
@@ -314,6 +326,19 @@ void OverrideOption(const std::string& assignment, Options* options) {
   Options result = *options;
   internal::ApplyConfig(internal::ParseOverride(assignment), assignment, &result);
   *options = std::move(result);
+}
+
+/// Both, as a command line gives them: the file, unless `path` is empty, then each override.
+template <typename Options>
+void ReadOptions(const std::filesystem::path& path,
+                 const std::vector<std::string>& overrides,
+                 Options* options) {
+  if (!path.empty()) {
+    ReadOptions(path, options);
+  }
+  for (const std::string& assignment : overrides) {
+    OverrideOption(assignment, options);
+  }
 }
 
 /// All fields as YAML, which ReadOptions reads back to the same values.

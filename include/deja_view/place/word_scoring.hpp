@@ -4,13 +4,11 @@
 #include "deja_view/vocabulary/bow_vector.hpp"
 #include "deja_view/vocabulary/vocabulary.hpp"
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 /// The paper's way from words to one score per past place (Sec. 3.3), each step a plain function;
@@ -31,13 +29,7 @@ enum class WordWeighting {
 };
 
 template <>
-struct EnumNames<WordWeighting> {
-  static constexpr std::array<std::pair<WordWeighting, const char*>, 4> kNames = {
-      {{WordWeighting::kTfidf, "tfidf"},
-       {WordWeighting::kPrinted, "printed"},
-       {WordWeighting::kText, "text"},
-       {WordWeighting::kSynonym, "synonym"}}};
-};
+inline constexpr auto kEnumNames<WordWeighting> = EnumNames("tfidf", "printed", "text", "synonym");
 
 /// A weighted bag of words, sorted by word, each once.
 struct WeightedWord {
@@ -113,12 +105,7 @@ enum class LoopThreshold {
 };
 
 template <>
-struct EnumNames<LoopThreshold> {
-  static constexpr std::array<std::pair<LoopThreshold, const char*>, 3> kNames = {
-      {{LoopThreshold::kSum, "sum"},
-       {LoopThreshold::kPair, "pair"},
-       {LoopThreshold::kCalibrated, "calibrated"}}};
-};
+inline constexpr auto kEnumNames<LoopThreshold> = EnumNames("sum", "pair", "calibrated");
 
 /// The number to compare with r; `own` is the score against the predecessors, of which at least
 /// 0.05 is taken (an image that shows nothing new is like no other).

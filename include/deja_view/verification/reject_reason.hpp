@@ -2,9 +2,6 @@
 
 #include "deja_view/base/enum_names.hpp"
 
-#include <array>
-#include <utility>
-
 namespace deja_view {
 
 /// Why a loop candidate, or a keyframe, did not lead to a loop constraint.
@@ -28,21 +25,19 @@ constexpr int kRejectReasonCount = static_cast<int>(RejectReason::kImplausible) 
 
 /// As in loops.csv and the diagnostics.
 template <>
-struct EnumNames<RejectReason> {
-  static constexpr std::array<std::pair<RejectReason, const char*>, kRejectReasonCount> kNames = {
-      {{RejectReason::kNone, "accepted"},
-       {RejectReason::kNoCandidate, "no_candidate"},
-       {RejectReason::kTooFewPoints, "too_few_points"},
-       {RejectReason::kTooFewMatches, "too_few_matches"},
-       {RejectReason::kTooFewInliers, "too_few_inliers"},
-       {RejectReason::kByChance, "by_chance"},
-       {RejectReason::kLowInlierRatio, "low_inlier_ratio"},
-       {RejectReason::kTooFar, "too_far"},
-       {RejectReason::kTooMuchYaw, "too_much_yaw"},
-       {RejectReason::kGravity, "gravity"},
-       {RejectReason::kUncertain, "uncertain"},
-       {RejectReason::kInconsistent, "inconsistent"},
-       {RejectReason::kImplausible, "implausible"}}};
-};
+inline constexpr auto kEnumNames<RejectReason> = EnumNames("accepted",
+                                                           "no_candidate",
+                                                           "too_few_points",
+                                                           "too_few_matches",
+                                                           "too_few_inliers",
+                                                           "by_chance",
+                                                           "low_inlier_ratio",
+                                                           "too_far",
+                                                           "too_much_yaw",
+                                                           "gravity",
+                                                           "uncertain",
+                                                           "inconsistent",
+                                                           "implausible");
+static_assert(kEnumNames<RejectReason>.size() == kRejectReasonCount);
 
 }  // namespace deja_view

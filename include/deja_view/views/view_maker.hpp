@@ -9,11 +9,9 @@
 #include "deja_view/views/view_upscaling.hpp"
 #include "deja_view/views/virtual_view.hpp"
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace deja_view {
@@ -25,10 +23,7 @@ enum class ViewExposure {
 };
 
 template <>
-struct EnumNames<ViewExposure> {
-  static constexpr std::array<std::pair<ViewExposure, const char*>, 2> kNames = {
-      {{ViewExposure::kSource, "source"}, {ViewExposure::kNeutral, "neutral"}}};
-};
+inline constexpr auto kEnumNames<ViewExposure> = EnumNames("source", "neutral");
 
 /// All that decides which views an image gets, and what they look like: a preset in config/.
 struct ViewOptions {

@@ -3,11 +3,9 @@
 #include "deja_view/base/enum_names.hpp"
 #include "deja_view/geometry/rigid3.hpp"
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace deja_view {
@@ -19,10 +17,7 @@ enum class SourceSpacing {
 };
 
 template <>
-struct EnumNames<SourceSpacing> {
-  static constexpr std::array<std::pair<SourceSpacing, const char*>, 2> kNames = {
-      {{SourceSpacing::kPrevious, "previous"}, {SourceSpacing::kAll, "all"}}};
-};
+inline constexpr auto kEnumNames<SourceSpacing> = EnumNames("previous", "all");
 
 /// Which images get virtual views.
 struct SourceOptions {

@@ -6,11 +6,9 @@
 #include "deja_view/views/flight_images.hpp"
 #include "deja_view/views/view_maker.hpp"
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace deja_view {
@@ -23,12 +21,7 @@ enum class SourceKind {
 };
 
 template <>
-struct EnumNames<SourceKind> {
-  static constexpr std::array<std::pair<SourceKind, const char*>, 3> kNames = {
-      {{SourceKind::kAuto, "auto"},
-       {SourceKind::kKeyframes, "keyframes"},
-       {SourceKind::kImages, "images"}}};
-};
+inline constexpr auto kEnumNames<SourceKind> = EnumNames("auto", "keyframes", "images");
 
 /// An image of a flight with a pose.
 struct SourceImage {

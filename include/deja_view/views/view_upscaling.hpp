@@ -3,11 +3,9 @@
 #include "deja_view/base/enum_names.hpp"
 #include "deja_view/views/view_renderer.hpp"
 
-#include <array>
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace deja_view {
@@ -21,13 +19,7 @@ enum class Upscaling {
 };
 
 template <>
-struct EnumNames<Upscaling> {
-  static constexpr std::array<std::pair<Upscaling, const char*>, 4> kNames = {
-      {{Upscaling::kDirect, "direct"},
-       {Upscaling::kBicubic, "bicubic"},
-       {Upscaling::kFsrcnn, "fsrcnn"},
-       {Upscaling::kPatches, "patches"}}};
-};
+inline constexpr auto kEnumNames<Upscaling> = EnumNames("direct", "bicubic", "fsrcnn", "patches");
 
 /// Options of ViewUpscaler.
 struct UpscalingOptions {

@@ -5,11 +5,9 @@
 #include "deja_view/features/types.hpp"
 #include "deja_view/geometry/rigid3.hpp"
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -20,10 +18,7 @@ namespace deja_view {
 enum class ImageFormat { kJpeg, kPng };
 
 template <>
-struct EnumNames<ImageFormat> {
-  static constexpr std::array<std::pair<ImageFormat, const char*>, 2> kNames = {
-      {{ImageFormat::kJpeg, "jpeg"}, {ImageFormat::kPng, "png"}}};
-};
+inline constexpr auto kEnumNames<ImageFormat> = EnumNames("jpeg", "png");
 
 /// Features of a virtual view that were extracted offline, so that a drone need not. All lists have
 /// the same length.

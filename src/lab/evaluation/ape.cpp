@@ -39,30 +39,6 @@ ApeStatistics Statistics(const std::vector<Eigen::Vector3d>& truth,
   return ape;
 }
 
-/// Least-squares alignment by a rotation about z and a translation.
-Rigid3 AlignYaw(const std::vector<Eigen::Vector3d>& truth,
-                const std::vector<Eigen::Vector3d>& estimate) {
-  DEJA_VIEW_CHECK_OP(truth.size(), ==, estimate.size());
-  DEJA_VIEW_CHECK_OP(truth.size(), >=, 3U);
-  const auto mean = [](const std::vector<Eigen::Vector3d>& points) {
-    const Eigen::Vector3d sum =
-        std::accumulate(points.begin(), points.end(), Eigen::Vector3d::Zero().eval());
-    return Eigen::Vector3d(sum / static_cast<double>(points.size()));
-  };
-  const Eigen::Vector3d truth_mean = mean(truth);
-  const Eigen::Vector3d estimate_mean = mean(estimate);
-  double sine = 0;
-  double cosine = 0;
-  for (std::size_t i = 0; i < truth.size(); ++i) {
-    const Eigen::Vector3d a = truth[i] - truth_mean;
-    const Eigen::Vector3d b = estimate[i] - estimate_mean;
-    sine += b.x() * a.y() - b.y() * a.x();
-    cosine += b.x() * a.x() + b.y() * a.y();
-  }
-  const Eigen::Quaterniond q = FromYaw(std::atan2(sine, cosine));
-  return {q, truth_mean - q * estimate_mean};
-}
-
 }  // namespace
 
 std::vector<std::pair<std::size_t, std::size_t>> PairByStamp(
@@ -92,6 +68,7 @@ ApeStatistics ComputeApe(const std::vector<Eigen::Vector3d>& truth,
                          ApeAlignment alignment) {
   switch (alignment) {
     case ApeAlignment::kYaw:
+      DEJA_VIEW_CHECK_OP(truth.size(), >=, 3U);
       return Statistics(truth, estimate, AlignYaw(truth, estimate));
     case ApeAlignment::kNone:
       return ComputeApeUnaligned(truth, estimate);

@@ -11,6 +11,9 @@
 namespace deja_view {
 namespace {
 
+constexpr double kMaxAngleDeg = 30.0;
+constexpr double kMaxDistanceM = 1.5;
+
 std::vector<RelocalisationBin> MakeBins(double step, int count) {
   std::vector<RelocalisationBin> bins;
   for (int i = 0; i < count; ++i) {
@@ -33,12 +36,10 @@ void Count(double offset, bool is_found, std::vector<RelocalisationBin>* bins) {
 RelocalisationCurve MakeRelocalisationCurve(const std::vector<TrueKeyframe>& places,
                                             const std::vector<TrueKeyframe>& current,
                                             const std::vector<bool>& is_found,
-                                            const Rigid3& T_B_C,
-                                            const RelocalisationOptions& options) {
+                                            const Rigid3& T_B_C) {
   DEJA_VIEW_CHECK_OP(current.size(), ==, is_found.size());
   const Eigen::Vector3d axis = T_B_C.q * Eigen::Vector3d::UnitZ();
-  RelocalisationCurve curve{MakeBins(options.step_m, options.distance_bins),
-                            MakeBins(options.step_deg, options.angle_bins)};
+  RelocalisationCurve curve{MakeBins(0.5, 12), MakeBins(10.0, 9)};
   for (std::size_t i = 0; i < current.size(); ++i) {
     if (!current[i].T_truth_B) {
       continue;
@@ -53,10 +54,10 @@ RelocalisationCurve MakeRelocalisationCurve(const std::vector<TrueKeyframe>& pla
       const double distance_m = (T_here.t - place.T_truth_B->t).norm();
       const double cosine = (T_here.q * axis).dot(place.T_truth_B->q * axis);
       const double angle_deg = std::acos(std::clamp(cosine, -1.0, 1.0)) / kDegree;
-      if (angle_deg < options.max_angle_deg) {
+      if (angle_deg < kMaxAngleDeg) {
         nearest_m = std::min(nearest_m, distance_m);
       }
-      if (distance_m < options.max_distance_m) {
+      if (distance_m < kMaxDistanceM) {
         least_deg = std::min(least_deg, angle_deg);
       }
     }

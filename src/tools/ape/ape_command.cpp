@@ -1,4 +1,3 @@
-#include "deja_view/base/atomic_file.hpp"
 #include "deja_view/base/check.hpp"
 #include "deja_view/io/tum.hpp"
 #include "deja_view/lab/evaluation/ape.hpp"
@@ -10,6 +9,7 @@
 #include <string>
 
 #include "common/commands.hpp"
+#include "common/reporting.hpp"
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -58,9 +58,7 @@ int RunApe(const ApeRequest& request) {
     std::cout << fmt::format("{:>6}  {:.9f}\n", key, json[key].get<double>());
   }
   std::cout << fmt::format("{} poses, aligned: {}\n", pairs.size(), request.alignment);
-  if (!request.json.empty()) {
-    WriteFileAtomically(request.json, [&](std::ostream& out) { out << json.dump(2) << "\n"; });
-  }
+  WriteJson(request.json, json);
   return 0;
 }
 

@@ -5,6 +5,7 @@
 
 #include "common/commands.hpp"
 #include "common/interrupt.hpp"
+#include "common/reporting.hpp"
 #include "nerf/nerf_command.hpp"
 #include <fmt/format.h>
 
@@ -32,8 +33,7 @@ void AddBundleCommand(CLI::App& app, Command* command) {
   sub->add_flag("--write-images",
                 request->write_images,
                 "Write a flight's keyframes to colmap/images, for nerf train --colmap");
-  sub->add_flag_callback(
-      "--quiet", [request] { request->show_progress = false; }, "No progress");
+  AddQuietOption(sub, &request->show_progress);
   sub->footer(
       "Without --poses, --bag is a flight with VINS-Mono's topics.\n"
       "Example:\n  deja_view bundle --bag hall.bag --camera euroc.yaml --out hall_bundle");

@@ -22,8 +22,6 @@ struct BundleToolOptions {
   BundleOptions bundle;
   BundlePriorOptions priors;
 
-  std::vector<std::string> Validate() const;
-
   template <typename Visitor>
   void Visit(Visitor& v) {
     v("features", features);

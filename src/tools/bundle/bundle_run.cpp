@@ -1,7 +1,6 @@
 #include "deja_view/base/atomic_file.hpp"
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/progress.hpp"
-#include "deja_view/base/requirements.hpp"
 #include "deja_view/camera/camera_parameters.hpp"
 #include "deja_view/io/colmap.hpp"
 #include "deja_view/io/options_yaml.hpp"
@@ -135,26 +134,13 @@ void WritePoses(const std::filesystem::path& path, const BundleProblem& problem)
 
 }  // namespace
 
-std::vector<std::string> BundleToolOptions::Validate() const {
-  Requirements r;
-  r.Group("features", features.Validate());
-  r.Group("bundle", bundle.Validate());
-  r.Group("priors", priors.Validate());
-  return r.errors();
-}
-
 bool BundleRequest::IsFlight() const {
   return !input.bag.empty() && input.poses.empty() && input.pose_topic.empty();
 }
 
 Json RunBundle(const BundleRequest& request) {
   BundleToolOptions options;
-  if (!request.config.empty()) {
-    ReadOptions(request.config, &options);
-  }
-  for (const std::string& assignment : request.overrides) {
-    OverrideOption(assignment, &options);
-  }
+  ReadOptions(request.config, request.overrides, &options);
   for (const std::string& part : request.refine) {
     OverrideOption(fmt::format("bundle.refine.{}=true", part), &options);
   }

@@ -1,11 +1,10 @@
-#include "deja_view/base/atomic_file.hpp"
 #include "deja_view/base/check.hpp"
 
 #include <iostream>
 #include <memory>
 
 #include "common/commands.hpp"
-#include "common/interrupt.hpp"
+#include "common/reporting.hpp"
 #include "evaluate/evaluate.hpp"
 #include <fmt/format.h>
 
@@ -91,8 +90,7 @@ void AddEvaluateCommand(CLI::App& app, Command* command) {
       ->take_all();
   sub->add_option("--only", request->only, "Names of the variants to run");
   sub->add_option("--json", *json_file, "File for the results; OUT/evaluation.json without");
-  sub->add_flag_callback(
-      "--quiet", [request] { request->show_progress = false; }, "No progress");
+  AddQuietOption(sub, &request->show_progress);
   sub->footer(
       "Example:\n  deja_view evaluate --bag hall.bag --camera euroc.yaml --groundtruth truth.txt "
       "--map-spacing 0.5 2 4 10 --out evaluation");
@@ -104,18 +102,9 @@ void AddEvaluateCommand(CLI::App& app, Command* command) {
       for (const std::string& text : *extra) {
         request->extra.push_back(SplitName("--variant", text));
       }
-      Json json;
-      try {
-        json = RunEvaluate(*request);
-      } catch (const Interrupted& e) {
-        std::cerr << "deja_view: " << e.what() << "\n";
-        return 130;
-      }
-      const auto file =
+      const std::filesystem::path file =
           json_file->empty() ? request->out / "evaluation.json" : std::filesystem::path(*json_file);
-      WriteFileAtomically(file, [&](std::ostream& out) { out << json.dump(2) << "\n"; });
-      PrintTable(json);
-      return 0;
+      return Report([&] { return RunEvaluate(*request); }, file.string(), PrintTable);
     };
   });
 }

@@ -1,12 +1,11 @@
 #include "map/map_command.hpp"
 
-#include "deja_view/base/atomic_file.hpp"
-
 #include <iostream>
 #include <memory>
 
 #include "common/commands.hpp"
 #include "common/interrupt.hpp"
+#include "common/reporting.hpp"
 
 namespace deja_view {
 
@@ -35,8 +34,7 @@ void AddMapCommand(CLI::App& app, Command* command) {
       ->take_all();
   sub->add_option("--json", *json_file, "File for the results, beside map.json in --out");
   sub->add_option("--threads", request->threads, "0: one per core");
-  sub->add_flag_callback(
-      "--quiet", [request] { request->show_progress = false; }, "No progress");
+  AddQuietOption(sub, &request->show_progress);
   sub->footer(
       "Run again after Ctrl-C, it goes on where it was.\n"
       "Example:\n  deja_view map --bag hall.bag --camera euroc.yaml --out hall_map");
@@ -44,9 +42,7 @@ void AddMapCommand(CLI::App& app, Command* command) {
     *command = [=] {
       try {
         const nlohmann::ordered_json json = RunMap(*request);
-        if (!json_file->empty()) {
-          WriteFileAtomically(*json_file, [&](std::ostream& out) { out << json.dump(2) << "\n"; });
-        }
+        WriteJson(*json_file, json);
         std::cout << json.dump(2) << "\n";
         for (const auto& advice : json["advice"]) {
           std::cerr << "advice: " << advice.get<std::string>() << "\n";

@@ -1,12 +1,10 @@
 #include "nerf/nerf_command.hpp"
 
-#include "deja_view/base/atomic_file.hpp"
-
 #include <iostream>
 #include <memory>
 
 #include "common/commands.hpp"
-#include "common/interrupt.hpp"
+#include "common/reporting.hpp"
 #include <fmt/format.h>
 
 namespace deja_view {
@@ -14,13 +12,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-void PrintJson(const Json& json) {
-  for (const auto& [key, value] : json.items()) {
-    std::cout << fmt::format(
-        "{:<18} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
-  }
-}
 
 void AddScaleOption(CLI::App* sub, double* scale) {
   sub->add_option("--scale", *scale, "Size of the images against the files'")
@@ -41,9 +32,7 @@ void AddSourceOptions(CLI::App* sub, NerfInput* input) {
                   "Trajectory: TUM, EuRoC's or VINS-Mono's CSV, a COLMAP model, or a bag with "
                   "--pose-topic")
       ->check(CLI::ExistingPath);
-  sub->add_option("--poses-of", input->poses_of, "What the trajectory is of")
-      ->check(CLI::IsMember({"body", "camera"}))
-      ->capture_default_str();
+  AddPosesOfOption(sub, &input->poses_of, "What the trajectory is of");
   sub->add_option("--transforms", input->transforms, "instant-ngp's or nerfstudio's JSON")
       ->check(CLI::ExistingFile);
   sub->add_option("--colmap", input->colmap, "COLMAP model, text or binary")
@@ -86,34 +75,13 @@ void AddTrainOptions(CLI::App* sub, fs::path* config, std::vector<std::string>* 
   sub->add_option("--set", *overrides, "Override of an option: group.key=value")->take_all();
 }
 
-template <typename Run>
-Command Reporting(std::shared_ptr<std::string> json_file,
-                  Run run,
-                  void (*print)(const Json&) = PrintJson) {
-  return [json_file, run, print] {
-    Json json;
-    try {
-      json = run();
-    } catch (const Interrupted& e) {
-      std::cerr << "deja_view: " << e.what() << "\n";
-      return 130;
-    }
-    if (!json_file->empty()) {
-      WriteFileAtomically(*json_file, [&](std::ostream& out) { out << json.dump(2) << "\n"; });
-    }
-    print(json);
-    return json.value("interrupted", false) ? 130 : 0;
-  };
-}
-
 template <typename Request>
 void AddCommonOptions(CLI::App* sub, Request* request, std::string* json_file) {
   sub->add_option("--threads", request->threads, "Threads; 0: all cores")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   sub->add_option("--json", *json_file, "File for the figures");
-  sub->add_flag_callback(
-      "--quiet", [request] { request->show_progress = false; }, "No progress");
+  AddQuietOption(sub, &request->show_progress);
 }
 
 void AddTrain(CLI::App* nerf, Command* command) {
@@ -157,8 +125,7 @@ void AddTrain(CLI::App* nerf, Command* command) {
   sub->footer(
       "Example, the second half of a large place:\n  deja_view nerf train --images images --camera "
       "euroc.yaml --poses truth.txt --shard 1/2 --out hall-1.dvn");
-  sub->callback(
-      [=] { *command = Reporting(json_file, [request] { return RunNerfTrain(*request); }); });
+  ReportOf(sub, command, RunNerfTrain, request, json_file);
 }
 
 void AddEval(CLI::App* nerf, Command* command) {
@@ -176,8 +143,7 @@ void AddEval(CLI::App* nerf, Command* command) {
                   "Only held-out images of sub-map i of n: i/n; a sub-map's model: of its own");
   sub->add_option("--kernels", request->kernels, "Instructions: auto, portable, avx2, avx512")
       ->capture_default_str();
-  sub->callback(
-      [=] { *command = Reporting(json_file, [request] { return RunNerfEval(*request); }); });
+  ReportOf(sub, command, RunNerfEval, request, json_file);
 }
 
 std::string Cell(const Json& value, int digits) {
@@ -231,10 +197,7 @@ void AddComparePoses(CLI::App* nerf, Command* command) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   sub->add_option("--pictures", request->pictures, "Directory for real | rendered | difference");
-  sub->callback([=] {
-    *command = Reporting(
-        json_file, [request] { return RunNerfComparePoses(*request); }, PrintComparison);
-  });
+  ReportOf(sub, command, RunNerfComparePoses, request, json_file, PrintComparison);
 }
 
 void AddRender(CLI::App* nerf, Command* command) {
@@ -250,9 +213,7 @@ void AddRender(CLI::App* nerf, Command* command) {
                   request->trajectory,
                   "Poses: TUM, EuRoC's or VINS-Mono's CSV, or a COLMAP model")
       ->check(CLI::ExistingPath);
-  sub->add_option("--poses-of", request->poses_of, "What the trajectory is of")
-      ->check(CLI::IsMember({"body", "camera"}))
-      ->capture_default_str();
+  AddPosesOfOption(sub, &request->poses_of, "What the trajectory is of");
   sub->add_option("--transforms",
                   request->transforms,
                   "Instead of both, the frames of a transforms.json, one picture each")
@@ -262,8 +223,7 @@ void AddRender(CLI::App* nerf, Command* command) {
       ->capture_default_str();
   sub->add_flag("--depth", request->depth, "Also write depth, 16 bit, millimetres along the ray");
   sub->add_option("--out", request->out, "Directory for the pictures")->required();
-  sub->callback(
-      [=] { *command = Reporting(json_file, [request] { return RunNerfRender(*request); }); });
+  ReportOf(sub, command, RunNerfRender, request, json_file);
 }
 
 void AddAlign(CLI::App* nerf, Command* command) {
@@ -277,9 +237,7 @@ void AddAlign(CLI::App* nerf, Command* command) {
                   "What it was trained on: a COLMAP model, TUM, EuRoC's or VINS-Mono's CSV, or "
                   "BAG:/topic")
       ->required();
-  sub->add_option("--poses-of", request->poses_of, "What these poses are of")
-      ->check(CLI::IsMember({"body", "camera"}))
-      ->capture_default_str();
+  AddPosesOfOption(sub, &request->poses_of, "What these poses are of");
   sub->add_option("--align-to",
                   request->align_to,
                   "Poses of the body in metres, as --poses: those of the VIO, say")
@@ -295,8 +253,7 @@ void AddAlign(CLI::App* nerf, Command* command) {
   sub->footer(
       "Example:\n  deja_view nerf align --model hall.dvn --poses hall_colmap --align-to "
       "hall.bag:/vins_estimator/keyframe_pose --camera euroc.yaml --out hall.dvn");
-  sub->callback(
-      [=] { *command = Reporting(json_file, [request] { return RunNerfAlign(*request); }); });
+  ReportOf(sub, command, RunNerfAlign, request, json_file);
 }
 
 void AddInfo(CLI::App* nerf, Command* command) {
@@ -305,7 +262,7 @@ void AddInfo(CLI::App* nerf, Command* command) {
   auto json_file = std::make_shared<std::string>();
   sub->add_option("model", *path, "Model file")->required()->check(CLI::ExistingFile);
   sub->add_option("--json", *json_file, "File for the figures");
-  sub->callback([=] { *command = Reporting(json_file, [path] { return RunNerfInfo(*path); }); });
+  ReportOf(sub, command, RunNerfInfo, path, json_file);
 }
 
 }  // namespace

@@ -10,12 +10,7 @@ nerf::TrainOptions ReadTrainOptions(const std::filesystem::path& config,
                                     const std::vector<std::string>& overrides,
                                     int threads) {
   nerf::TrainOptions options;
-  if (!config.empty()) {
-    ReadOptions(config, &options);
-  }
-  for (const std::string& assignment : overrides) {
-    OverrideOption(assignment, &options);
-  }
+  ReadOptions(config, overrides, &options);
   options.threads = threads;
   return options;
 }

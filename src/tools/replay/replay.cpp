@@ -19,12 +19,7 @@ namespace fs = std::filesystem;
 
 LoopFusionOptions ReadLoopFusionOptions(const ReplayRequest& request) {
   LoopFusionOptions options;
-  if (!request.config.empty()) {
-    ReadOptions(request.config, &options);
-  }
-  for (const std::string& assignment : request.overrides) {
-    OverrideOption(assignment, &options);
-  }
+  ReadOptions(request.config, request.overrides, &options);
   if (!request.use_virtual_views) {
     options.loop_closer.views.keep = 0;
   }

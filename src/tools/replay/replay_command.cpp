@@ -1,9 +1,9 @@
-#include "deja_view/base/atomic_file.hpp"
 
 #include <iostream>
 #include <memory>
 
 #include "common/commands.hpp"
+#include "common/reporting.hpp"
 #include "replay/replay.hpp"
 #include "replay/replay_judge.hpp"
 #include <fmt/format.h>
@@ -109,8 +109,7 @@ void AddReplayCommand(CLI::App& app, Command* command) {
   sub->add_option("--save-map", request->save_map, "Directory to save the map to");
   sub->add_option("--out", request->out, "Directory for trajectory.txt, vio.txt and loops.csv");
   sub->add_option("--json", *json_file, "File for the results");
-  sub->add_flag_callback(
-      "--quiet", [request] { request->show_progress = false; }, "No progress");
+  AddQuietOption(sub, &request->show_progress);
   AddShortcuts(sub, request.get());
   sub->footer(
       "Example:\n  deja_view replay --bag hall.bag --camera euroc.yaml --groundtruth truth.txt "
@@ -118,9 +117,7 @@ void AddReplayCommand(CLI::App& app, Command* command) {
   sub->callback([=] {
     *command = [=] {
       const Json json = Replay(*request);
-      if (!json_file->empty()) {
-        WriteFileAtomically(*json_file, [&](std::ostream& out) { out << json.dump(2) << "\n"; });
-      }
+      WriteJson(*json_file, json);
       return 0;
     };
   });

@@ -1,4 +1,3 @@
-#include "deja_view/base/atomic_file.hpp"
 #include "deja_view/lab/sim/exact_views.hpp"
 #include "deja_view/lab/sim/options.hpp"
 
@@ -6,7 +5,7 @@
 #include <memory>
 
 #include "common/commands.hpp"
-#include "common/interrupt.hpp"
+#include "common/reporting.hpp"
 #include "simulate/simulate_flight.hpp"
 #include "simulate/simulate_views.hpp"
 #include <fmt/format.h>
@@ -93,18 +92,11 @@ void AddOutputOptions(CLI::App* sub, const Request& request) {
 
 int Simulate(const SimulateRequest& request, const std::string& json_file) {
   const bool only_views = !request.views_for.empty() || !request.views_like.empty();
-  nlohmann::ordered_json json;
-  try {
-    json = only_views ? RunSimulateViews(request) : RunSimulate(request);
-  } catch (const Interrupted& e) {
-    std::cerr << "deja_view: " << e.what() << "\n";
-    return 130;  // as shells report a program that Ctrl-C ended
-  }
-  if (!json_file.empty()) {
-    WriteFileAtomically(json_file, [&](std::ostream& out) { out << json.dump(2) << "\n"; });
-  }
-  (only_views ? PrintViews : PrintFlight)(request, json);
-  return 0;
+  return Report([&] { return only_views ? RunSimulateViews(request) : RunSimulate(request); },
+                json_file,
+                [&](const nlohmann::ordered_json& json) {
+                  (only_views ? PrintViews : PrintFlight)(request, json);
+                });
 }
 
 }  // namespace
@@ -117,8 +109,7 @@ void AddSimulateCommand(CLI::App& app, Command* command) {
   AddFlightOptions(sub, request);
   AddOutputOptions(sub, request);
   sub->add_option("--json", *json_file, "File for the figures");
-  sub->add_flag_callback(
-      "--quiet", [request] { request->show_progress = false; }, "No progress");
+  AddQuietOption(sub, &request->show_progress);
   sub->footer(
       "Writes groundtruth.txt and vio.txt (TUM, body poses), camera.yaml, simulation.yaml.\n"
       "Example:\n  deja_view simulate --preset hall --seed 3 --duration 60 --bag --out flight");

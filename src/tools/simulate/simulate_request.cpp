@@ -6,12 +6,7 @@ namespace deja_view {
 
 sim::SimOptions ReadSimOptions(const SimulateRequest& request) {
   sim::SimOptions options = sim::MakePreset(request.preset);
-  if (!request.config.empty()) {
-    ReadOptions(request.config, &options);
-  }
-  for (const std::string& assignment : request.overrides) {
-    OverrideOption(assignment, &options);
-  }
+  ReadOptions(request.config, request.overrides, &options);
   return options;
 }
 

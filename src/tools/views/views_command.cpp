@@ -1,13 +1,12 @@
 #include "views/views_command.hpp"
 
-#include "deja_view/base/atomic_file.hpp"
 #include "deja_view/scene/open_scene_model.hpp"
 
 #include <iostream>
 #include <memory>
 
 #include "common/commands.hpp"
-#include "common/interrupt.hpp"
+#include "common/reporting.hpp"
 #include <fmt/format.h>
 
 namespace deja_view {
@@ -15,9 +14,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kNothingLeft = "the same command starts afresh";
+constexpr const char* kNothingLeft = "; the same command starts afresh";
 
-void PrintFigures(const Json& json) {
+void PrintValues(const Json& json) {
   for (const auto& [key, value] : json.items()) {
     std::cout << fmt::format("{:<18} {}\n", key, value.dump());
   }
@@ -51,28 +50,6 @@ void PrintMatches(const Json& json) {
       json["uncertain"].get<int>());
 }
 
-// `on_interrupt` tells what an interrupted run leaves.
-template <typename Run>
-Command Reporting(std::shared_ptr<std::string> json_file,
-                  Run run,
-                  void (*print)(const Json&),
-                  const char* on_interrupt) {
-  return [json_file, run, print, on_interrupt] {
-    Json json;
-    try {
-      json = run();
-    } catch (const Interrupted& e) {
-      std::cerr << "deja_view: " << e.what() << "; " << on_interrupt << "\n";
-      return 130;
-    }
-    if (!json_file->empty()) {
-      WriteFileAtomically(*json_file, [&](std::ostream& out) { out << json.dump(2) << "\n"; });
-    }
-    print(json);
-    return 0;
-  };
-}
-
 void AddFlightOptions(CLI::App* sub, FlightFiles* flight) {
   CLI::Option* bag =
       sub->add_option("--bag", flight->bag, "Bag with images, and VINS-Mono's keyframes if any")
@@ -97,9 +74,7 @@ void AddInputOptions(CLI::App* sub, ViewsInput* input) {
          "Poses in the model's frame: TUM file, vins_result of VINS-Mono, EuRoC's data.csv or ASL "
          "folder, COLMAP model, BAG:/topic, or topic of the bag")
       ->required();
-  sub->add_option("--poses-of", input->poses_of, "What the poses are of")
-      ->check(CLI::IsMember({"body", "camera"}))
-      ->capture_default_str();
+  AddPosesOfOption(sub, &input->poses_of, "What the poses are of");
   sub->add_option("--align-to",
                   input->align_to,
                   "Poses of the body that tell whether --poses fit, and give those of COLMAP their "
@@ -126,8 +101,7 @@ void AddInputOptions(CLI::App* sub, ViewsInput* input) {
   sub->add_option("--threads", input->threads, "Threads; 0: all cores")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  sub->add_flag_callback(
-      "--quiet", [input] { input->show_progress = false; }, "No progress");
+  AddQuietOption(sub, &input->show_progress);
 }
 
 void AddDepthMapOptions(CLI::App* sub, DepthMapFiles* maps) {
@@ -186,13 +160,13 @@ void AddRender(CLI::App* views, Command* command) {
       "mh_01.dvn --out mh_01_views.bag\n"
       "  deja_view views render --images images --camera camera.yaml --poses truth.txt --renderer "
       "warp --depth-maps depth --out views.bag");
-  sub->callback([=] {
-    *command = Reporting(
-        json_file,
-        [request] { return RunViewsRender(*request); },
-        PrintFigures,
-        "the same command goes on from here");
-  });
+  ReportOf(sub,
+           command,
+           RunViewsRender,
+           request,
+           json_file,
+           PrintValues,
+           "; the same command goes on from here");
 }
 
 void AddMerge(CLI::App* views, Command* command) {
@@ -212,10 +186,7 @@ void AddMerge(CLI::App* views, Command* command) {
       "Examples:\n  deja_view views merge --bag hall.bag parts/*.bag --out hall_views.bag\n"
       "  deja_view views merge --images MH_01_easy --camera euroc.yaml parts/*.bag --out "
       "mh_01_views.bag");
-  sub->callback([=] {
-    *command = Reporting(
-        json_file, [request] { return RunViewsMerge(*request); }, PrintFigures, kNothingLeft);
-  });
+  ReportOf(sub, command, RunViewsMerge, request, json_file, PrintValues, kNothingLeft);
 }
 
 void AddCheck(CLI::App* views, Command* command) {
@@ -236,10 +207,7 @@ void AddCheck(CLI::App* views, Command* command) {
                   "Network to upscale with, e.g. FSRCNN_x2.pb; the preset's without")
       ->check(CLI::ExistingFile);
   sub->add_option("--json", *json_file, "File for the figures");
-  sub->callback([=] {
-    *command = Reporting(
-        json_file, [request] { return RunViewsCheck(*request); }, PrintMatches, kNothingLeft);
-  });
+  ReportOf(sub, command, RunViewsCheck, request, json_file, PrintMatches, kNothingLeft);
 }
 
 }  // namespace

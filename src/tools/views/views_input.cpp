@@ -104,10 +104,7 @@ PosedJob ReadViewsInput(const ViewsInput& input) {
   job.pose_topic = input.flight.bag.empty() ? "/odometry" : "";
   job.sources = EnumFromString<SourceKind>(input.sources).value();
   const fs::path preset = FindPreset(input.preset);
-  ReadOptions(preset, &job.options);
-  for (const std::string& assignment : input.overrides) {
-    OverrideOption(assignment, &job.options);
-  }
+  ReadOptions(preset, input.overrides, &job.options);
   std::filesystem::path& network = job.options.rendering.network;
   network = FindNetwork(network, NetworkDirectories(preset));
   ReadPoses(input, &posed);

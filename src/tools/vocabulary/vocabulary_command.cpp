@@ -1,6 +1,5 @@
 #include "vocabulary/vocabulary_command.hpp"
 
-#include "deja_view/base/atomic_file.hpp"
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/parallel.hpp"
 #include "deja_view/base/progress.hpp"
@@ -16,6 +15,7 @@
 #include <optional>
 
 #include "common/commands.hpp"
+#include "common/reporting.hpp"
 #include "common/tool_figures.hpp"
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
@@ -82,12 +82,6 @@ const char* FormatName(const fs::path& path) {
 
 std::string Hex(std::uint64_t value) {
   return fmt::format("{:016x}", value);
-}
-
-void WriteJson(const std::string& path, const Json& json) {
-  if (!path.empty()) {
-    WriteFileAtomically(path, [&](std::ostream& out) { out << json.dump(2) << "\n"; });
-  }
 }
 
 void Print(const Json& json) {

@@ -1,6 +1,9 @@
 #include "deja_view/camera/camera_parameters.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/camera/kannala_brandt_camera.hpp"
+#include "deja_view/camera/mei_camera.hpp"
+#include "deja_view/camera/pinhole_camera.hpp"
 
 #include <functional>
 #include <limits>
@@ -11,6 +14,7 @@ namespace deja_view {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::ElementsAreArray;
 using ::testing::HasSubstr;
 
 std::string ErrorOf(const CameraParameters& parameters) {
@@ -40,6 +44,23 @@ TEST(CameraParametersTest, RoundTripOfAllModels) {
     EXPECT_EQ(back.distortion, parameters.distortion);
     EXPECT_EQ(back.projection, parameters.projection);
   }
+}
+
+TEST(CameraParametersTest, NumbersStandInTheirOrder) {
+  const auto pinhole = MakeCamera(kPinhole, "camera");
+  const PinholeParameters& p = dynamic_cast<const PinholeCamera&>(*pinhole).parameters();
+  EXPECT_THAT((std::vector<double>{p.k1, p.k2, p.p1, p.p2}), ElementsAreArray(kPinhole.distortion));
+  EXPECT_THAT((std::vector<double>{p.fx, p.fy, p.cx, p.cy}), ElementsAreArray(kPinhole.projection));
+  const auto fisheye = MakeCamera(kFisheye, "camera");
+  const KannalaBrandtParameters& k =
+      dynamic_cast<const KannalaBrandtCamera&>(*fisheye).parameters();
+  EXPECT_THAT((std::vector<double>{k.k2, k.k3, k.k4, k.k5}), ElementsAreArray(kFisheye.distortion));
+  EXPECT_THAT((std::vector<double>{k.mu, k.mv, k.u0, k.v0}), ElementsAreArray(kFisheye.projection));
+  const auto mei = MakeCamera(kMei, "camera");
+  const MeiParameters& m = dynamic_cast<const MeiCamera&>(*mei).parameters();
+  EXPECT_THAT((std::vector<double>{m.k1, m.k2, m.p1, m.p2}), ElementsAreArray(kMei.distortion));
+  EXPECT_THAT((std::vector<double>{m.xi, m.gamma1, m.gamma2, m.u0, m.v0}),
+              ElementsAreArray(kMei.projection));
 }
 
 TEST(CameraParametersTest, NamesWhatIsWrong) {

@@ -20,11 +20,8 @@ TEST(PinholeCamera, ProjectsAsOpenCv) {
   const PinholeCamera camera(p);
   const cv::Matx33d K(p.fx, 0, p.cx, 0, p.fy, p.cy, 0, 0, 1);
   const cv::Vec4d distortion(p.k1, p.k2, p.p1, p.p2);
-  test::ExpectProjectsAs(camera, [&](const Eigen::Vector3d& p_C) {
-    std::vector<cv::Point2d> pixels;
-    const std::vector<cv::Point3d> points = {{p_C.x(), p_C.y(), p_C.z()}};
-    cv::projectPoints(points, cv::Vec3d(), cv::Vec3d(), K, distortion, pixels);
-    return Eigen::Vector2d(pixels[0].x, pixels[0].y);
+  test::ExpectProjectsAs(camera, [&](const auto& points, auto* pixels) {
+    cv::projectPoints(points, cv::Vec3d(), cv::Vec3d(), K, distortion, *pixels);
   });
 }
 

@@ -1,5 +1,6 @@
 #include "deja_view/fusion/match_image.hpp"
 
+#include "test_cameras.hpp"
 #include "wall_flight.hpp"
 #include <gtest/gtest.h>
 
@@ -17,27 +18,24 @@ class MatchImagesTest : public ::testing::Test {
     relocalisation_.points.push_back({-77, {0, 0}});  // of no tracked point
   }
 
-  static PinholeCamera MakeCamera() {
-    PinholeParameters p;
-    p.width = test::WallFlight::kWidth;
-    p.height = test::WallFlight::kHeight;
-    p.fx = p.fy = 230;
-    p.cx = 188;
-    p.cy = 120;
-    return PinholeCamera(p);
+  // With pictures of keyframes 5 and 9.
+  MatchImages Images(int memory) const {
+    MatchImages images(memory);
+    images.Add(5, old_.image);
+    images.Add(9, current_.image);
+    return images;
   }
 
   test::WallFlight flight_;
   KeyframeInput current_;
   KeyframeInput old_;
   Relocalisation relocalisation_;
-  PinholeCamera camera_ = MakeCamera();
+  PinholeCamera camera_ =
+      PinholeOf(test::WallFlight::kWidth, test::WallFlight::kHeight, 230, 188, 120);
 };
 
 TEST_F(MatchImagesTest, ShowsBothKeyframesAndTheirMatches) {
-  MatchImages images(10);
-  images.Add(5, old_.image);
-  images.Add(9, current_.image);
+  MatchImages images = Images(10);
   const auto picture = images.Draw(current_, 9, relocalisation_, camera_);
   ASSERT_TRUE(picture.has_value());
   EXPECT_EQ(picture->type(), CV_8UC3);
@@ -47,9 +45,7 @@ TEST_F(MatchImagesTest, ShowsBothKeyframesAndTheirMatches) {
 }
 
 TEST_F(MatchImagesTest, ForgetsTheOldest) {
-  MatchImages images(2);
-  images.Add(5, old_.image);
-  images.Add(9, current_.image);
+  MatchImages images = Images(2);
   images.Add(10, current_.image);
   EXPECT_FALSE(images.Draw(current_, 9, relocalisation_, camera_).has_value());
   relocalisation_.old = 9;
@@ -57,17 +53,13 @@ TEST_F(MatchImagesTest, ForgetsTheOldest) {
 }
 
 TEST_F(MatchImagesTest, AnotherMapMakesItForgetAll) {
-  MatchImages images(10);
-  images.Add(5, old_.image);
-  images.Add(9, current_.image);
+  MatchImages images = Images(10);
   images.Add(3, current_.image);
   EXPECT_FALSE(images.Draw(current_, 9, relocalisation_, camera_).has_value());
 }
 
 TEST_F(MatchImagesTest, KeepsNothingWhenToldSo) {
-  MatchImages images(0);
-  images.Add(5, old_.image);
-  images.Add(9, current_.image);
+  MatchImages images = Images(0);
   EXPECT_FALSE(images.Draw(current_, 9, relocalisation_, camera_).has_value());
 }
 

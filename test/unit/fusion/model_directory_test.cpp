@@ -11,8 +11,6 @@ namespace deja_view {
 namespace {
 
 namespace fs = std::filesystem;
-using ::testing::AllOf;
-using ::testing::HasSubstr;
 
 class ModelDirectoryTest : public TemporaryDirectoryTest {
  protected:
@@ -36,19 +34,17 @@ TEST_F(ModelDirectoryTest, FindsFilesByName) {
 
 TEST_F(ModelDirectoryTest, DoesNotLeaveItsDirectory) {
   for (const std::string name : {"", "..", "../secret", "/etc/passwd", "a\\b", ".hidden", "a\nb"}) {
-    EXPECT_THAT(MessageOf<InputError>([&] { models_.Resolve(name); }), HasSubstr("model name"))
-        << name;
+    EXPECT_THAT(MessageOf<InputError>([&] { models_.Resolve(name); }), Says("model name")) << name;
   }
-  EXPECT_THAT(MessageOf<InputError>([&] { models_.Resolve("link"); }), HasSubstr("is a link"));
+  EXPECT_THAT(MessageOf<InputError>([&] { models_.Resolve("link"); }), Says("is a link"));
 }
 
 TEST_F(ModelDirectoryTest, ListsWhatIsThere) {
   EXPECT_THAT(MessageOf<InputError>([&] { models_.Resolve("room"); }),
-              AllOf(HasSubstr("model 'room'"), HasSubstr("hall, link")));
-  EXPECT_THAT(MessageOf<InputError>([&] { models_.Resolve("folder"); }),
-              HasSubstr("expected one of"));
+              Says("model 'room'", "hall, link"));
+  EXPECT_THAT(MessageOf<InputError>([&] { models_.Resolve("folder"); }), Says("expected one of"));
   EXPECT_THAT(MessageOf<InputError>([&] { ModelDirectory(Path("nowhere")).Resolve("x"); }),
-              HasSubstr("no models at all"));
+              Says("no models at all"));
 }
 
 }  // namespace

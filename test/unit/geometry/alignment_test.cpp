@@ -50,6 +50,26 @@ TEST(AlignPoints, KeepsScaleOneWhenAsked) {
   EXPECT_LT(RotationAngle(found.T_A_B.q), 1e-9);
 }
 
+TEST(AlignYaw, TurnsAboutTheVerticalAlone) {
+  const Rigid3 truth{FromYaw(2.0), {1, -2, 3}};
+  const auto p_B = RandomPoints(6);
+  std::vector<Eigen::Vector3d> p_A;
+  for (const auto& p : p_B) {
+    p_A.push_back(truth * p);
+  }
+  const Rigid3 found = AlignYaw(p_A, p_B);
+  EXPECT_LT((found.t - truth.t).norm(), 1e-12);
+  EXPECT_LT(RotationAngle(found.q.conjugate() * truth.q), 1e-12);
+  // What tilts them is not made good.
+  for (auto& p : p_A) {
+    p = ExpSo3({0.1, 0, 0}) * p;
+  }
+  const Rigid3 level = AlignYaw(p_A, p_B);
+  EXPECT_LT((level.q * Eigen::Vector3d::UnitZ() - Eigen::Vector3d::UnitZ()).norm(), 1e-12);
+  EXPECT_THROW(AlignYaw(p_A, RandomPoints(5)), CheckError);
+  EXPECT_THROW(AlignYaw({}, {}), CheckError);
+}
+
 TEST(AlignPoints, RejectsTooFewPointsAndSizesThatDiffer) {
   EXPECT_THROW(AlignPoints(RandomPoints(2), RandomPoints(2)), CheckError);
   EXPECT_THROW(AlignPoints(RandomPoints(5), RandomPoints(4)), CheckError);

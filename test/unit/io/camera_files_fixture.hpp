@@ -5,13 +5,11 @@
 #include "deja_view/camera/pinhole_camera.hpp"
 #include "deja_view/io/vins_config.hpp"
 
-#include <filesystem>
-#include <fstream>
 #include <string>
+#include <vector>
 
+#include "temporary_directory.hpp"
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <unistd.h>
 
 namespace deja_view {
 
@@ -76,36 +74,31 @@ inline void ExpectExtrinsic(const VinsConfig& config) {
   EXPECT_NEAR((p_B - Eigen::Vector3d(2.1, -0.3, 0.05)).norm(), 0, 1e-12);
 }
 
-class CameraFilesTest : public ::testing::Test {
- public:
-  CameraFilesTest() { std::filesystem::create_directories(directory_); }
-  ~CameraFilesTest() override { std::filesystem::remove_all(directory_); }
+/// A file with one part replaced, and what its error says.
+struct WrongFile {
+  std::string from;
+  std::string to;
+  std::string message;
+};
 
+class CameraFilesTest : public TemporaryDirectoryTest {
  protected:
-  void Write(const std::string& name, const std::string& text) const {
-    std::ofstream(directory_ / name) << text;
-  }
-
   VinsConfig Read(const std::string& text) const {
-    Write("file.yaml", text);
-    return ReadVinsConfig(directory_ / "file.yaml");
+    return ReadVinsConfig(Write("file.yaml", text));
   }
 
   // The message of the error that the text must give; it names the file in question.
   std::string Error(const std::string& text, const std::string& file = "file.yaml") const {
-    try {
-      Read(text);
-    } catch (const InputError& e) {
-      EXPECT_THAT(e.what(), ::testing::HasSubstr((directory_ / file).string()));
-      return e.what();
-    }
-    ADD_FAILURE() << "no error:\n" << text;
-    return "";
+    const std::string message = MessageOf<InputError>([&] { Read(text); });
+    EXPECT_THAT(message, Says((directory_ / file).string())) << text;
+    return message;
   }
 
- private:
-  std::filesystem::path directory_ =
-      std::filesystem::temp_directory_path() / ("deja_view_cameras_" + std::to_string(::getpid()));
+  void ExpectErrors(const std::string& text, const std::vector<WrongFile>& cases) const {
+    for (const WrongFile& wrong : cases) {
+      EXPECT_THAT(Error(Replaced(text, wrong.from, wrong.to)), Says(wrong.message)) << wrong.from;
+    }
+  }
 };
 
 }  // namespace deja_view

@@ -90,32 +90,35 @@ TEST_F(CameraFilesTest, TakesOpenVinsCameraToImuAsItIs) {
 }
 
 TEST_F(CameraFilesTest, NamesWhatIsWrongWithAChain) {
-  const auto after = [&](const std::string& from, const std::string& to) {
-    return Error(Replaced(kChain, from, to));
-  };
-  EXPECT_THAT(after("  T_cam_imu:", "  T_other:"),
-              HasSubstr("key 'cam0.T_cam_imu' is missing: expected a list of 4 rows of 4 numbers"));
-  EXPECT_THAT(after("  - [0, 0, 0, 1]\n", ""), HasSubstr("4 rows of 4 numbers"));
-  EXPECT_THAT(after("[0, -1, 0, 0.2]", "[0, -1, 0]"), HasSubstr(":11: key 'cam0.T_cam_imu'"));
-  EXPECT_THAT(after("[0, -1, 0, 0.2]", "[0, -1.1, 0, 0.2]"),
-              HasSubstr("key 'cam0.T_cam_imu': expected a rotation matrix"));
-  EXPECT_THAT(after("[0, -1, 0, 0.2]", "[0, 1, 0, 0.2]"), HasSubstr("determinant -1"));
-  EXPECT_THAT(after("0.2]", ".nan]"), HasSubstr("expected finite numbers"));
-  EXPECT_THAT(after("camera_model: pinhole", "camera_model: ds"),
-              HasSubstr("key 'cam0.camera_model': expected pinhole or omni, found 'ds'"));
-  EXPECT_THAT(after("radtan", "fov"),
-              HasSubstr("key 'cam0.distortion_model': expected radtan (radial-tangential), "
-                        "equidistant or none, found 'fov'"));
-  EXPECT_THAT(after("0.001, 0.002]", "0.001]"),
-              HasSubstr("'cam0.distortion_coeffs': expected 4 numbers: k1, k2, p1, p2, found 3"));
-  EXPECT_THAT(after("[400.0, ", "["), HasSubstr("'cam0.intrinsics': expected 4 numbers"));
-  EXPECT_THAT(after("410.0", "-410.0"), HasSubstr("focal lengths above 0"));
-  EXPECT_THAT(after("410.0", "wide"), HasSubstr("found 'wide'"));
-  EXPECT_THAT(after("410.0", ".inf"), HasSubstr("expected finite numbers, found '.inf'"));
-  EXPECT_THAT(after("[640, 480]", "[640, 0]"),
-              HasSubstr("'cam0.resolution': expected [width, height], each from 1 to 32768"));
-  EXPECT_THAT(after("[640, 480]", "640"), HasSubstr("'cam0.resolution'"));
-  EXPECT_THAT(after("[640, 480]", "[640.5, 480]"), HasSubstr("found '640.5'"));
+  ExpectErrors(
+      kChain,
+      {{"  T_cam_imu:",
+        "  T_other:",
+        "key 'cam0.T_cam_imu' is missing: expected a list of 4 rows of 4 numbers"},
+       {"  - [0, 0, 0, 1]\n", "", "4 rows of 4 numbers"},
+       {"[0, -1, 0, 0.2]", "[0, -1, 0]", ":11: key 'cam0.T_cam_imu'"},
+       {"[0, -1, 0, 0.2]", "[0, -1.1, 0, 0.2]", "key 'cam0.T_cam_imu': expected a rotation matrix"},
+       {"[0, -1, 0, 0.2]", "[0, 1, 0, 0.2]", "determinant -1"},
+       {"0.2]", ".nan]", "expected finite numbers"},
+       {"camera_model: pinhole",
+        "camera_model: ds",
+        "key 'cam0.camera_model': expected pinhole or omni, found 'ds'"},
+       {"radtan",
+        "fov",
+        "key 'cam0.distortion_model': expected radtan (radial-tangential), "
+        "equidistant or none, found 'fov'"},
+       {"0.001, 0.002]",
+        "0.001]",
+        "'cam0.distortion_coeffs': expected 4 numbers: k1, k2, p1, p2, found 3"},
+       {"[400.0, ", "[", "'cam0.intrinsics': expected 4 numbers"},
+       {"410.0", "-410.0", "focal lengths above 0"},
+       {"410.0", "wide", "found 'wide'"},
+       {"410.0", ".inf", "expected finite numbers, found '.inf'"},
+       {"[640, 480]",
+        "[640, 0]",
+        "'cam0.resolution': expected [width, height], each from 1 to 32768"},
+       {"[640, 480]", "640", "'cam0.resolution'"},
+       {"[640, 480]", "[640.5, 480]", "found '640.5'"}});
   EXPECT_THAT(Error("cam0: 1\n"), HasSubstr("key 'cam0': expected a map of parameters"));
 
   const std::string omni = Replaced(kChain, "camera_model: pinhole", "camera_model: omni");
@@ -144,17 +147,16 @@ TEST_F(CameraFilesTest, ReadsEurocsSensorAndKimerasCamera) {
 }
 
 TEST_F(CameraFilesTest, NamesWhatIsWrongWithASensor) {
-  EXPECT_THAT(Error(Replaced(kAsl, "camera_model: pinhole", "camera_model: omni")),
-              HasSubstr("key 'camera_model': expected pinhole, found 'omni'"));
-  EXPECT_THAT(Error(Replaced(kAsl, "camera_model: pinhole\n", "")),
-              HasSubstr("key 'camera_model' is missing"));
-  EXPECT_THAT(Error(Replaced(kAsl, "0.1,  -1", "-1")),
-              HasSubstr("key 'T_BS.data': expected 16 numbers, row by row, found 15 values"));
-  EXPECT_THAT(Error(Replaced(kAsl, "0.1,  -1", "0.1,  -2")),
-              HasSubstr("key 'T_BS.data': expected a rotation matrix"));
-  EXPECT_THAT(Error(Replaced(kAsl, "radial-tangential", "fov")), HasSubstr("'distortion_model'"));
-  EXPECT_THAT(Error(Replaced(kAsl, "distortion_coefficients", "coefficients")),
-              HasSubstr("key 'distortion_coefficients' is missing"));
+  ExpectErrors(
+      kAsl,
+      {{"camera_model: pinhole",
+        "camera_model: omni",
+        "key 'camera_model': expected pinhole, found 'omni'"},
+       {"camera_model: pinhole\n", "", "key 'camera_model' is missing"},
+       {"0.1,  -1", "-1", "key 'T_BS.data': expected 16 numbers, row by row, found 15 values"},
+       {"0.1,  -1", "0.1,  -2", "key 'T_BS.data': expected a rotation matrix"},
+       {"radial-tangential", "fov", "'distortion_model'"},
+       {"distortion_coefficients", "coefficients", "key 'distortion_coefficients' is missing"}});
   EXPECT_THAT(Error("T_BS: [1]\n"), HasSubstr("key 'camera_model' is missing"));
 }
 

@@ -62,24 +62,21 @@ TEST_F(CameraFilesTest, ReadsOrbSlamWithoutDistortion) {
 }
 
 TEST_F(CameraFilesTest, NamesWhatIsWrongWithOrbSlam) {
-  const auto after = [&](const std::string& from, const std::string& to) {
-    return Error(Replaced(kOrbSlam, from, to));
-  };
-  EXPECT_THAT(
-      after("PinHole", "Omni"),
-      HasSubstr("'Camera.type': expected PinHole, KannalaBrandt8 or Rectified, found 'Omni'"));
-  EXPECT_THAT(after("Camera.type: \"PinHole\"\n", ""), HasSubstr("'Camera.type' is missing"));
-  EXPECT_THAT(after("Camera1.fx: 400.0\n", ""), HasSubstr("key 'Camera1.fx' is missing"));
-  EXPECT_THAT(after("Camera1.fx: 400.0", "Camera1.fx: 0"), HasSubstr("a number above 0"));
-  EXPECT_THAT(after("Camera1.cx: 320.0", "Camera1.cx: .nan"), HasSubstr("a finite number"));
-  EXPECT_THAT(after("Camera1.p2: 0.002\n", ""), HasSubstr("key 'Camera1.p2' is missing"));
-  EXPECT_THAT(after("PinHole", "KannalaBrandt8"), HasSubstr("key 'Camera1.k3' is missing"));
-  EXPECT_THAT(after("Camera1.p2", "Camera1.k3: 0.5\nCamera1.p2"),
-              HasSubstr("key 'Camera1.k3': expected 0"));
-  EXPECT_THAT(after("Camera.width: 640", "Camera.width: 0"), HasSubstr("'Camera.width'"));
-  EXPECT_THAT(after("Camera.height: 480", "Camera.height: tall"), HasSubstr("'Camera.height'"));
-  EXPECT_THAT(after("IMU.T_b_c1", "IMU.T_c1_b"), HasSubstr("key 'IMU.T_b_c1' is missing"));
-  EXPECT_THAT(after("0.1,  -1", "0.1,  1"), HasSubstr("'IMU.T_b_c1': expected a rotation matrix"));
+  ExpectErrors(kOrbSlam,
+               {{"PinHole",
+                 "Omni",
+                 "'Camera.type': expected PinHole, KannalaBrandt8 or Rectified, found 'Omni'"},
+                {"Camera.type: \"PinHole\"\n", "", "'Camera.type' is missing"},
+                {"Camera1.fx: 400.0\n", "", "key 'Camera1.fx' is missing"},
+                {"Camera1.fx: 400.0", "Camera1.fx: 0", "a number above 0"},
+                {"Camera1.cx: 320.0", "Camera1.cx: .nan", "a finite number"},
+                {"Camera1.p2: 0.002\n", "", "key 'Camera1.p2' is missing"},
+                {"PinHole", "KannalaBrandt8", "key 'Camera1.k3' is missing"},
+                {"Camera1.p2", "Camera1.k3: 0.5\nCamera1.p2", "key 'Camera1.k3': expected 0"},
+                {"Camera.width: 640", "Camera.width: 0", "'Camera.width'"},
+                {"Camera.height: 480", "Camera.height: tall", "'Camera.height'"},
+                {"IMU.T_b_c1", "IMU.T_c1_b", "key 'IMU.T_b_c1' is missing"},
+                {"0.1,  -1", "0.1,  1", "'IMU.T_b_c1': expected a rotation matrix"}});
 }
 
 }  // namespace

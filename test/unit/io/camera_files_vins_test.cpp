@@ -58,18 +58,17 @@ TEST_F(CameraFilesTest, NamesWhatIsWrongWithVinsFusion) {
               AllOf(HasSubstr("'cam0_calib': expected a file with the first camera's model"),
                     HasSubstr("found 'left.yaml'")));
   Write("left.yaml", kFusionCamera);
-  EXPECT_THAT(Error(Replaced(kFusion, "cam0_calib: \"left.yaml\"\n", "")),
-              HasSubstr("key 'cam0_calib' is missing"));
-  EXPECT_THAT(Error(Replaced(kFusion, "body_T_cam0", "body_T_cam9")),
-              HasSubstr("key 'body_T_cam0' is missing: expected an opencv-matrix of 4 x 4"));
-  EXPECT_THAT(Error(Replaced(kFusion, "image0_topic", "image_topic")),
-              HasSubstr("key 'image0_topic' is missing"));
-  EXPECT_THAT(Error(Replaced(kFusion, "[0, 0, 1,", "[0, 0.1, 1,")),
-              HasSubstr("key 'body_T_cam0': expected a rotation matrix"));
-  EXPECT_THAT(Error(Replaced(kFusion, "0.3,", ".nan,")), HasSubstr("finite numbers, found '.nan'"));
-  EXPECT_THAT(Error(Replaced(kFusion, "0, 0, 0, 1]", "0, 0, 1, 1]")),
-              HasSubstr("expected a last row of 0, 0, 0, 1, found 0, 0, 1, 1"));
-  EXPECT_THAT(Error(Replaced(kFusion, "rows: 4", "rows: 3")), HasSubstr("4 x 4"));
+  ExpectErrors(
+      kFusion,
+      {{"cam0_calib: \"left.yaml\"\n", "", "key 'cam0_calib' is missing"},
+       {"body_T_cam0",
+        "body_T_cam9",
+        "key 'body_T_cam0' is missing: expected an opencv-matrix of 4 x 4"},
+       {"image0_topic", "image_topic", "key 'image0_topic' is missing"},
+       {"[0, 0, 1,", "[0, 0.1, 1,", "key 'body_T_cam0': expected a rotation matrix"},
+       {"0.3,", ".nan,", "finite numbers, found '.nan'"},
+       {"0, 0, 0, 1]", "0, 0, 1, 1]", "expected a last row of 0, 0, 0, 1, found 0, 0, 1, 1"},
+       {"rows: 4", "rows: 3", "4 x 4"}});
   Write("left.yaml", Replaced(kFusionCamera, "PINHOLE", "SCARAMUZZA"));
   EXPECT_THAT(Error(kFusion, "left.yaml"),
               HasSubstr("expected PINHOLE, KANNALA_BRANDT or MEI, found 'SCARAMUZZA'"));

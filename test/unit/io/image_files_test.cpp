@@ -8,9 +8,6 @@
 namespace deja_view {
 namespace {
 
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-
 class ImageFilesTest : public TemporaryDirectoryTest {
  protected:
   std::string Error() const {
@@ -41,15 +38,15 @@ TEST_F(ImageFilesTest, AreFoundInEurocsFolders) {
 }
 
 TEST_F(ImageFilesTest, ErrorsNameTheFile) {
-  EXPECT_THAT(Error(), AllOf(HasSubstr(directory_.string()), HasSubstr("holds no image")));
+  EXPECT_THAT(Error(), Says(directory_.string(), "holds no image"));
   Write("1000000000.png", "");
   Write("1.png.jpg", "");
-  EXPECT_THAT(Error(), AllOf(HasSubstr("1.png.jpg"), HasSubstr("expected a stamp")));
+  EXPECT_THAT(Error(), Says("1.png.jpg", "expected a stamp"));
   std::filesystem::remove(directory_ / "1.png.jpg");
   Write("1.000000000.png", "");
-  EXPECT_THAT(Error(), AllOf(HasSubstr("/1000000000.png"), HasSubstr("1.000000000.png too")));
+  EXPECT_THAT(Error(), Says("/1000000000.png", "1.000000000.png too"));
   EXPECT_THAT(MessageOf<InputError>([&] { ListStampedImages(directory_ / "nowhere"); }),
-              AllOf(HasSubstr("nowhere"), HasSubstr("can't be listed")));
+              Says("nowhere", "can't be listed"));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <fstream>
 
+#include "error_messages.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -11,10 +12,7 @@ namespace deja_view {
 enum class Colour { kRed, kGreen };
 
 template <>
-struct EnumNames<Colour> {
-  static constexpr std::pair<Colour, const char*> kNames[] = {{Colour::kRed, "red"},
-                                                              {Colour::kGreen, "green"}};
-};
+inline constexpr auto kEnumNames<Colour> = EnumNames("red", "green");
 
 namespace {
 
@@ -85,6 +83,16 @@ struct Outer {
   }
 };
 
+struct TwoOuters {
+  Outer first;
+  Outer second;
+  template <typename Visitor>
+  void Visit(Visitor& v) {
+    v("first", first);
+    v("second", second);
+  }
+};
+
 std::string ErrorOf(const std::string& text) {
   Outer options;
   options.count = 77;
@@ -137,27 +145,27 @@ TEST(OptionsYaml, UnknownKeysSuggestTheNearest) {
 }
 
 TEST(OptionsYaml, WrongValuesNameKeyAndExpectation) {
-  EXPECT_THAT(ErrorOf("count: 2.5\n"),
-              HasSubstr("file.yaml:1: key 'count': expected an integer, found '2.5'"));
-  EXPECT_THAT(ErrorOf("count: \"2\"\n"), HasSubstr("expected an integer, found \"2\""));
-  EXPECT_THAT(ErrorOf("count: 3000000000\n"), HasSubstr("from -2147483648 to 2147483647"));
-  EXPECT_THAT(ErrorOf("level: 256\n"), HasSubstr("from 0 to 255"));
-  EXPECT_THAT(ErrorOf("seed: -1\n"), HasSubstr("an integer from 0"));
-  EXPECT_THAT(ErrorOf("single: 1e60\n"), HasSubstr("expected a number"));
-  EXPECT_THAT(ErrorOf("limit: .nan\n"), HasSubstr("expected a number"));
-  EXPECT_THAT(ErrorOf("limit: 1,5\n"), HasSubstr("expected a number"));
-  EXPECT_THAT(ErrorOf("limit: [1]\n"), HasSubstr("expected a number, found a list"));
-  EXPECT_THAT(ErrorOf("limit:\n"), HasSubstr("expected a number, found nothing"));
-  EXPECT_THAT(ErrorOf("name: {a: 1}\n"), HasSubstr("expected text, found a map"));
-  EXPECT_THAT(ErrorOf("inner: {enabled: \"true\"}\n"), HasSubstr("expected true or false"));
-  EXPECT_THAT(ErrorOf("colour: blue\n"), HasSubstr("expected one of red, green, found 'blue'"));
-  EXPECT_THAT(ErrorOf("radii: 3\n"), HasSubstr("expected a list"));
-  EXPECT_THAT(ErrorOf("radii: [1, x]\n"), HasSubstr("key 'radii[1]': expected a number"));
-  EXPECT_THAT(ErrorOf("shape: [1, 2]\n"), HasSubstr("expected a list of 3 values"));
-  EXPECT_THAT(ErrorOf("points: [{x: 1, z: 2}]\n"), HasSubstr("unknown key 'points[0].z'"));
-  EXPECT_THAT(ErrorOf("inner: 4\n"), HasSubstr("expected a map of keys"));
-  EXPECT_THAT(ErrorOf("inner:\n  enabled: 1\n"),
-              HasSubstr("file.yaml:2: key 'inner.enabled': expected true or false, found '1'"));
+  ExpectErrors(ErrorOf,
+               {{"count: 2.5\n", "file.yaml:1: key 'count': expected an integer, found '2.5'"},
+                {"count: \"2\"\n", "expected an integer, found \"2\""},
+                {"count: 3000000000\n", "from -2147483648 to 2147483647"},
+                {"level: 256\n", "from 0 to 255"},
+                {"seed: -1\n", "an integer from 0"},
+                {"single: 1e60\n", "expected a number"},
+                {"limit: .nan\n", "expected a number"},
+                {"limit: 1,5\n", "expected a number"},
+                {"limit: [1]\n", "expected a number, found a list"},
+                {"limit:\n", "expected a number, found nothing"},
+                {"name: {a: 1}\n", "expected text, found a map"},
+                {"inner: {enabled: \"true\"}\n", "expected true or false"},
+                {"colour: blue\n", "expected one of red, green, found 'blue'"},
+                {"radii: 3\n", "expected a list"},
+                {"radii: [1, x]\n", "key 'radii[1]': expected a number"},
+                {"shape: [1, 2]\n", "expected a list of 3 values"},
+                {"points: [{x: 1, z: 2}]\n", "unknown key 'points[0].z'"},
+                {"inner: 4\n", "expected a map of keys"},
+                {"inner:\n  enabled: 1\n",
+                 "file.yaml:2: key 'inner.enabled': expected true or false, found '1'"}});
 }
 
 TEST(OptionsYaml, AllErrorsComeAtOnce) {
@@ -167,12 +175,22 @@ TEST(OptionsYaml, AllErrorsComeAtOnce) {
               AllOf(HasSubstr("file.yaml: count: 0"), HasSubstr("inner.gain: -1")));
 }
 
+TEST(OptionsYaml, PartsAreValidatedWhereTheWholeIsNot) {
+  TwoOuters pair;
+  EXPECT_THAT(MessageOf<InputError>([&] {
+                ParseOptions("first: {count: 0}\nsecond: {inner: {gain: 0}}\n", "f", &pair);
+              }),
+              Says("f: first.count: 0, expected at least 1", "f: second.inner.gain: 0"));
+  EXPECT_EQ(pair.first.count, 3) << "options changed by a bad file";
+}
+
 TEST(OptionsYaml, BadDocumentsAreRefused) {
-  EXPECT_THAT(ErrorOf("count: 1\ncount: 2\n"), HasSubstr("file.yaml:2: key 'count' appears twice"));
-  EXPECT_THAT(ErrorOf("count: [1\n"), HasSubstr("file.yaml"));
-  EXPECT_THAT(ErrorOf("- 1\n"), HasSubstr("expected a map"));
-  EXPECT_THAT(ErrorOf("[a]: 1\n"), HasSubstr("plain word"));
-  EXPECT_THAT(ErrorOf("radii: &a [*a]\n"), HasSubstr("file.yaml"));
+  ExpectErrors(ErrorOf,
+               {{"count: 1\ncount: 2\n", "file.yaml:2: key 'count' appears twice"},
+                {"count: [1\n", "file.yaml"},
+                {"- 1\n", "expected a map"},
+                {"[a]: 1\n", "plain word"},
+                {"radii: &a [*a]\n", "file.yaml"}});
   EXPECT_EQ(ErrorOf(""), "no error");
   EXPECT_EQ(ErrorOf("inner:\n"), "no error");
 }
@@ -185,7 +203,13 @@ TEST(OptionsYaml, ReadsFiles) {
   EXPECT_EQ(options.count, 12);
   EXPECT_EQ(options.inner.gain, 2.0);
   EXPECT_EQ(options.level, 7);
+  Outer overridden;
+  ReadOptions(path, {"count=13", "inner.gain=3"}, &overridden);
+  EXPECT_EQ(overridden.count, 13) << "the file goes first";
+  EXPECT_EQ(overridden.inner.gain, 3.0);
   std::filesystem::remove(path);
+  ReadOptions("", {"count=14"}, &overridden);
+  EXPECT_EQ(overridden.count, 14);
   EXPECT_THROW(ReadOptions<Outer>(path), InputError);
 }
 

@@ -8,9 +8,6 @@
 namespace deja_view {
 namespace {
 
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-
 class TrajectoryFileTest : public TemporaryDirectoryTest {
  protected:
   std::string ErrorOf(const std::string& text) const {
@@ -72,19 +69,19 @@ TEST_F(TrajectoryFileTest, ReadsCamerasOfAColmapModel) {
 }
 
 TEST_F(TrajectoryFileTest, NamesWhatIsWrong) {
-  EXPECT_THAT(ErrorOf("1,1,2,3,1,0,0\n"), HasSubstr("poses.txt:1: expected 'stamp_ns, tx"));
-  EXPECT_THAT(ErrorOf("#\n1.5,1,2,3,1,0,0,0\n"), HasSubstr(":2: expected 'stamp_ns, tx"));
-  EXPECT_THAT(ErrorOf("1,1,2,nan,1,0,0,0\n"), HasSubstr(":1: expected 'stamp_ns, tx"));
-  EXPECT_THAT(ErrorOf("1,1,2,3,1,1,0,0\n"), HasSubstr(":1: expected a unit quaternion"));
-  EXPECT_THAT(ErrorOf("2,1,2,3,1,0,0,0\n2,1,2,3,1,0,0,0\n"),
-              HasSubstr(":2: expected a stamp later"));
-  EXPECT_THAT(ErrorOf("# nothing\n"), HasSubstr("holds no pose"));
+  ExpectErrors([&](const std::string& text) { return ErrorOf(text); },
+               {{"1,1,2,3,1,0,0\n", "poses.txt:1: expected 'stamp_ns, tx"},
+                {"#\n1.5,1,2,3,1,0,0,0\n", ":2: expected 'stamp_ns, tx"},
+                {"1,1,2,nan,1,0,0,0\n", ":1: expected 'stamp_ns, tx"},
+                {"1,1,2,3,1,1,0,0\n", ":1: expected a unit quaternion"},
+                {"2,1,2,3,1,0,0,0\n2,1,2,3,1,0,0,0\n", ":2: expected a stamp later"},
+                {"# nothing\n", "holds no pose"}});
   EXPECT_THAT(MessageOf<InputError>([&] { ReadTrajectoryFile(directory_); }),
-              HasSubstr("state_groundtruth_estimate0"));
+              Says("state_groundtruth_estimate0"));
   EXPECT_THAT(MessageOf<InputError>([&] { ReadTrajectoryFile(directory_ / "a.bag"); }),
-              AllOf(HasSubstr("a.bag"), HasSubstr("topic")));
+              Says("a.bag", "topic"));
   EXPECT_THAT(MessageOf<InputError>([&] { ReadTrajectoryFile(directory_ / "none"); }),
-              HasSubstr("can't be opened"));
+              Says("can't be opened"));
 }
 
 }  // namespace

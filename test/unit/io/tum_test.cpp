@@ -5,36 +5,19 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "temporary_directory.hpp"
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <unistd.h>
 
 namespace deja_view {
 namespace {
 
-using ::testing::HasSubstr;
-
-class TumTest : public ::testing::Test {
+class TumTest : public TemporaryDirectoryTest {
  protected:
-  ~TumTest() override { std::filesystem::remove(path_); }
+  Trajectory Read(const std::string& text) const { return ReadTum(Write("poses.txt", text)); }
 
-  Trajectory Read(const std::string& text) {
-    std::ofstream(path_) << text;
-    return ReadTum(path_);
+  std::string ErrorOf(const std::string& text) const {
+    return MessageOf<InputError>([&] { Read(text); });
   }
-
-  std::string ErrorOf(const std::string& text) {
-    try {
-      Read(text);
-    } catch (const InputError& e) {
-      EXPECT_THAT(e.what(), HasSubstr(path_.string()));
-      return e.what();
-    }
-    return "no error";
-  }
-
-  std::filesystem::path path_ = std::filesystem::temp_directory_path() /
-                                ("deja_view_tum_" + std::to_string(::getpid()) + ".txt");
 };
 
 TEST_F(TumTest, ReadsPosesCommentsAndBlankLines) {
@@ -51,8 +34,9 @@ TEST_F(TumTest, WritesWhatItReads) {
   Trajectory trajectory;
   trajectory.stamps_ns = {1403636625838560104, 1403636625838560105};
   trajectory.poses = {{ExpSo3({0.1, 0.2, -0.3}), {1.25, -2.5, 1e-9}}, {FromYaw(3.0), {0, 0, 100}}};
-  WriteTum(path_, trajectory);
-  const Trajectory read = ReadTum(path_);
+  const auto path = directory_ / "poses.txt";
+  WriteTum(path, trajectory);
+  const Trajectory read = ReadTum(path);
   EXPECT_EQ(read.stamps_ns, trajectory.stamps_ns);
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_LT((read.poses[i].t - trajectory.poses[i].t).norm(), 1e-9);
@@ -61,16 +45,15 @@ TEST_F(TumTest, WritesWhatItReads) {
 }
 
 TEST_F(TumTest, NamesTheLineThatIsWrong) {
-  EXPECT_THAT(ErrorOf("1 1 2 3 0 0 0 1\n2 1 2 3 0 0 0\n"), HasSubstr(":2: expected 'stamp tx"));
-  EXPECT_THAT(ErrorOf("1 1 2 3 0 0 0 1 5\n"), HasSubstr(":1: expected 'stamp tx"));
-  EXPECT_THAT(ErrorOf("1 1 2 nan 0 0 0 1\n"), HasSubstr(":1: expected 'stamp tx"));
-  EXPECT_THAT(ErrorOf("1 1 2 3x 0 0 0 1\n"), HasSubstr("3x"));
-  EXPECT_THAT(ErrorOf("-1 1 2 3 0 0 0 1\n"), HasSubstr(":1: expected 'stamp tx"));
-  EXPECT_THAT(ErrorOf("#\n1 1 2 3 0 0 0 2\n"), HasSubstr(":2: expected a unit quaternion"));
-  EXPECT_THAT(ErrorOf("2 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n"),
-              HasSubstr(":2: expected a stamp later"));
-  EXPECT_THAT(ErrorOf("2 0 0 0 0 0 0 1\n2 0 0 0 0 0 0 1\n"),
-              HasSubstr(":2: expected a stamp later"));
+  ExpectErrors([&](const std::string& text) { return ErrorOf(text); },
+               {{"1 1 2 3 0 0 0 1\n2 1 2 3 0 0 0\n", "poses.txt:2: expected 'stamp tx"},
+                {"1 1 2 3 0 0 0 1 5\n", "poses.txt:1: expected 'stamp tx"},
+                {"1 1 2 nan 0 0 0 1\n", "poses.txt:1: expected 'stamp tx"},
+                {"1 1 2 3x 0 0 0 1\n", "3x"},
+                {"-1 1 2 3 0 0 0 1\n", "poses.txt:1: expected 'stamp tx"},
+                {"#\n1 1 2 3 0 0 0 2\n", "poses.txt:2: expected a unit quaternion"},
+                {"2 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n", "poses.txt:2: expected a stamp later"},
+                {"2 0 0 0 0 0 0 1\n2 0 0 0 0 0 0 1\n", "poses.txt:2: expected a stamp later"}});
   EXPECT_THROW(ReadTum("/nonexistent.txt"), InputError);
   EXPECT_THROW(ReadTum(std::filesystem::temp_directory_path()), InputError);
 }

@@ -1,17 +1,9 @@
-#include "deja_view/io/vins_config.hpp"
-
-#include "deja_view/base/check.hpp"
-#include "deja_view/camera/kannala_brandt_camera.hpp"
 #include "deja_view/camera/mei_camera.hpp"
-#include "deja_view/camera/pinhole_camera.hpp"
 
 #include <cstdlib>
-#include <fstream>
 #include <string>
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <unistd.h>
+#include "camera_files_fixture.hpp"
 
 namespace deja_view {
 namespace {
@@ -57,38 +49,7 @@ load_previous_pose_graph: 0
 pose_graph_save_path: "/tmp/output/pose_graph/"
 )";
 
-class VinsConfigTest : public ::testing::Test {
- protected:
-  ~VinsConfigTest() override { std::filesystem::remove(path_); }
-
-  VinsConfig Read(const std::string& text) {
-    std::ofstream(path_) << text;
-    return ReadVinsConfig(path_);
-  }
-
-  // The file with one part replaced; the message of the error it must give.
-  std::string ErrorAfter(const std::string& from, const std::string& to) {
-    std::string text = kPinhole;
-    const std::size_t at = text.find(from);
-    EXPECT_NE(at, std::string::npos) << from;
-    text.replace(at, from.size(), to);
-    return ErrorOf(text);
-  }
-
-  std::string ErrorOf(const std::string& text) {
-    try {
-      Read(text);
-    } catch (const InputError& e) {
-      EXPECT_THAT(e.what(), HasSubstr(path_.string()));
-      return e.what();
-    }
-    ADD_FAILURE() << "no error:\n" << text;
-    return "";
-  }
-
-  std::filesystem::path path_ = std::filesystem::temp_directory_path() /
-                                ("deja_view_vins_" + std::to_string(::getpid()) + ".yaml");
-};
+using VinsConfigTest = CameraFilesTest;
 
 TEST_F(VinsConfigTest, ReadsAPinhole) {
   const VinsConfig config = Read(kPinhole);
@@ -146,23 +107,23 @@ TEST_F(VinsConfigTest, ReadsAFisheyeAndAnOmnidirectionalCamera) {
 }
 
 TEST_F(VinsConfigTest, NamesWhatIsWrong) {
-  EXPECT_THAT(ErrorAfter("   fx: 4.616e+02\n", ""),
-              HasSubstr("key 'projection_parameters.fx' is missing"));
-  EXPECT_THAT(ErrorAfter("fx: 4.616e+02", "fx: wide"),
-              HasSubstr(":16: key 'projection_parameters.fx': expected a number, found 'wide'"));
-  EXPECT_THAT(ErrorAfter("fx: 4.616e+02", "fx: .nan"), HasSubstr("expected a finite number"));
-  EXPECT_THAT(ErrorAfter("fy: 4.603e+02", "fy: -1"), HasSubstr("expected a number above 0"));
-  EXPECT_THAT(ErrorAfter("image_width: 752", "image_width: 0"), HasSubstr("'image_width'"));
-  EXPECT_THAT(ErrorAfter("PINHOLE", "PINHOLLE"),
-              HasSubstr("expected PINHOLE, KANNALA_BRANDT or MEI, found 'PINHOLLE'"));
-  EXPECT_THAT(ErrorAfter("image_topic: \"/cam0/image_raw\"\n", ""), HasSubstr("'image_topic'"));
-  EXPECT_THAT(ErrorAfter("loop_closure: 1", "loop_closure: 2"), HasSubstr("expected 0 or 1"));
-  EXPECT_THAT(ErrorAfter("0.0148655429818", "0.5"), HasSubstr("expected a rotation matrix"));
-  EXPECT_THAT(ErrorAfter("0.0148655429818", ".inf"), HasSubstr("finite numbers"));
-  EXPECT_THAT(ErrorAfter("0.0148655429818,", ""), HasSubstr("opencv-matrix of 3 x 3"));
-  EXPECT_THAT(ErrorAfter("cols: 1", "cols: 3"), HasSubstr("opencv-matrix of 3 x 1"));
-  EXPECT_THAT(ErrorAfter("distortion_parameters:", "distortion_parameters: 1\nx:"),
-              HasSubstr("expected a map of parameters"));
+  ExpectErrors(
+      kPinhole,
+      {{"   fx: 4.616e+02\n", "", "key 'projection_parameters.fx' is missing"},
+       {"fx: 4.616e+02",
+        "fx: wide",
+        ":16: key 'projection_parameters.fx': expected a number, found 'wide'"},
+       {"fx: 4.616e+02", "fx: .nan", "expected a finite number"},
+       {"fy: 4.603e+02", "fy: -1", "expected a number above 0"},
+       {"image_width: 752", "image_width: 0", "'image_width'"},
+       {"PINHOLE", "PINHOLLE", "expected PINHOLE, KANNALA_BRANDT or MEI, found 'PINHOLLE'"},
+       {"image_topic: \"/cam0/image_raw\"\n", "", "'image_topic'"},
+       {"loop_closure: 1", "loop_closure: 2", "expected 0 or 1"},
+       {"0.0148655429818", "0.5", "expected a rotation matrix"},
+       {"0.0148655429818", ".inf", "finite numbers"},
+       {"0.0148655429818,", "", "opencv-matrix of 3 x 3"},
+       {"cols: 1", "cols: 3", "opencv-matrix of 3 x 1"},
+       {"distortion_parameters:", "distortion_parameters: 1\nx:", "expected a map of parameters"}});
 }
 
 TEST_F(VinsConfigTest, RefusesFilesThatAreNoYaml) {
@@ -176,7 +137,7 @@ TEST_F(VinsConfigTest, RefusesFilesThatAreNoYaml) {
 
 TEST_F(VinsConfigTest, ListsTheLayoutsForAnUnknownOne) {
   for (const char* text : {"", "focal_length: 400\n", "relative_config_imucam: chain.yaml\n"}) {
-    EXPECT_THAT(ErrorOf(text),
+    EXPECT_THAT(Error(text),
                 ::testing::AllOf(HasSubstr("no known camera file"),
                                  HasSubstr("VINS-Mono's (model_type)"),
                                  HasSubstr("VINS-Fusion's (cam0_calib)"),
@@ -185,7 +146,7 @@ TEST_F(VinsConfigTest, ListsTheLayoutsForAnUnknownOne) {
                                  HasSubstr("ORB-SLAM3's settings (Camera.type)")));
   }
   // VINS-Mono's without its model is still VINS-Mono's.
-  EXPECT_THAT(ErrorOf("extrinsicRotation: 1\n"), HasSubstr("key 'model_type' is missing"));
+  EXPECT_THAT(Error("extrinsicRotation: 1\n"), HasSubstr("key 'model_type' is missing"));
 }
 
 TEST(RequireImageTopic, RequiresATopicOfImages) {

@@ -7,9 +7,6 @@
 namespace deja_view::nerf {
 namespace {
 
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-
 class ColmapImagesTest : public ImageFilesTest {
  protected:
   ColmapImagesTest() {
@@ -45,13 +42,13 @@ TEST_F(ColmapImagesTest, ReadsPosesAndGoodPoints) {
 
 TEST_F(ColmapImagesTest, MissingFilesAndPosesAreErrors) {
   WriteImage("images/c.png");
-  EXPECT_THAT(Error(), AllOf(HasSubstr("1 of 3 images have no pose"), HasSubstr("c.png")));
+  EXPECT_THAT(Error(), Says("1 of 3 images have no pose", "c.png"));
   EXPECT_EQ(ReadColmapImages(directory_, {}, true).size(), 2U);
   std::filesystem::remove(directory_ / "images/a.png");
-  EXPECT_THAT(Error(), AllOf(HasSubstr("1 of 2 poses have no image file"), HasSubstr("a.png")));
+  EXPECT_THAT(Error(), Says("1 of 2 poses have no image file", "a.png"));
   EXPECT_EQ(ReadColmapImages(directory_, {}, true).size(), 1U);
   std::filesystem::remove_all(directory_ / "images");
-  EXPECT_THAT(Error(), HasSubstr("no folder 'images'"));
+  EXPECT_THAT(Error(), Says("no folder 'images'"));
 }
 
 }  // namespace

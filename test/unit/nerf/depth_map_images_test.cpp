@@ -11,9 +11,6 @@
 namespace deja_view::nerf {
 namespace {
 
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-
 class DepthMapImagesTest : public ImageFilesTest {
  protected:
   // 1 m at the left, 2 m at the right of column 8.
@@ -46,9 +43,9 @@ TEST_F(DepthMapImagesTest, AreFoundByTheirStamps) {
   EXPECT_EQ(maps[1].depth.path.filename(), "1403636625.838560104.png");
   WriteImage("maps/first.png", Step());
   EXPECT_THAT(ErrorOf([&] { ListDepthMaps(directory_ / "maps", SmallCamera(), 1e-3, false); }),
-              AllOf(HasSubstr("first.png"), HasSubstr("stamp")));
+              Says("first.png", "stamp"));
   EXPECT_THAT(ErrorOf([&] { ListDepthMaps(directory_ / "none", SmallCamera(), 1e-3, false); }),
-              HasSubstr("none"));
+              Says("none"));
 }
 
 TEST_F(DepthMapImagesTest, MeasureAlongTheAxisOrAlongTheRay) {
@@ -80,7 +77,7 @@ TEST_F(DepthMapImagesTest, OfAnotherCameraAreSeenByTheImages) {
     WriteImage(std::string(frame) + ".color.png");
   }
   EXPECT_THAT(ErrorOf([&] { ListDepthMaps(directory_, SmallCamera(), 1e-3, false); }),
-              HasSubstr("depth.png"));
+              Says("depth.png"));
   WriteImage("frame-000030.depth.png", Step());
   const std::vector<PosedImage> maps = ListDepthMaps(directory_, SmallCamera(), 1e-3, false);
   ASSERT_EQ(maps.size(), 1U);

@@ -1,11 +1,10 @@
 #include "deja_view/nerf/image_metrics.hpp"
 
-#include "deja_view/camera/pinhole_camera.hpp"
-
 #include <cmath>
 #include <memory>
 #include <random>
 
+#include "test_cameras.hpp"
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
@@ -60,14 +59,8 @@ TEST(ImageMetrics, CornersMatchTheSameImageButNotAnotherOrAShiftedOne) {
 }
 
 TEST(WarpImage, ShiftsAWallByItsParallax) {
-  PinholeParameters parameters;
-  parameters.width = 60;
-  parameters.height = 40;
-  parameters.fx = parameters.fy = 50;
-  parameters.cx = 29.5;
-  parameters.cy = 19.5;
   TrainingView from;
-  from.camera = std::make_shared<PinholeCamera>(parameters);
+  from.camera = SharedPinholeOf(60, 40, 50, 29.5, 19.5);
   from.image.create(40, 60, CV_8UC1);
   cv::randu(from.image, 1, 255);
   // 0.1 m to the left of a wall 1 m away: what is at x here is at x + 5 there.

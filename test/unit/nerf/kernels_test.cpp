@@ -2,6 +2,7 @@
 
 #include "deja_view/base/check.hpp"
 
+#include <array>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -166,6 +167,19 @@ INSTANTIATE_TEST_SUITE_P(All,
                          testing::ValuesIn(AvailableKernels()),
                          [](const auto& test) { return std::string(test.param->name); });
 
+// What two features are at a corner.
+std::array<float, 2> AtCorner(const GridLevel& level,
+                              const std::vector<float>& table,
+                              const std::array<float, 3>& corner) {
+  std::array<float, 3> p{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    p[axis] = corner[axis] / level.scale + 1e-6F;
+  }
+  std::array<float, 2> out{};
+  PortableKernels().grid_forward(level, table.data(), {&p[0], &p[1], &p[2]}, 1, out.data(), 2);
+  return out;
+}
+
 TEST(Kernels, DenseEntriesAreWhereTheFormulaSays) {
   const GridLevel level = MakeLevel(false, 2);
   std::vector<float> table(std::size_t{8} * level.bricks * 2, 0.0F);
@@ -173,11 +187,7 @@ TEST(Kernels, DenseEntriesAreWhereTheFormulaSays) {
   const std::size_t entry = 8 * (1 + 2 * 6 + 2 * 36) + 5;
   table[2 * entry] = 1;
   table[2 * entry + 1] = -2;
-  const float x = 3 / level.scale + 1e-6F;
-  const float y = 4 / level.scale + 1e-6F;
-  const float z = 5 / level.scale + 1e-6F;
-  float out[2] = {};
-  PortableKernels().grid_forward(level, table.data(), {&x, &y, &z}, 1, out, 2);
+  const std::array<float, 2> out = AtCorner(level, table, {3, 4, 5});
   EXPECT_NEAR(out[0], 1, 1e-3F);
   EXPECT_NEAR(out[1], -2, 1e-3F);
 }
@@ -188,11 +198,7 @@ TEST(Kernels, HashedEntriesAreWhereTheFormulaSays) {
   // Corner (2, 6, 3): brick (1, 3, 1), place 0 + 0 + 4 = 4.
   const std::uint32_t brick = (1U ^ 3U * 2654435761U ^ 805459861U) & 63U;
   table[2 * (8 * brick + 4)] = 3;
-  const float x = 2 / level.scale + 1e-6F;
-  const float y = 6 / level.scale + 1e-6F;
-  const float z = 3 / level.scale + 1e-6F;
-  float out[2] = {};
-  PortableKernels().grid_forward(level, table.data(), {&x, &y, &z}, 1, out, 2);
+  const std::array<float, 2> out = AtCorner(level, table, {2, 6, 3});
   EXPECT_NEAR(out[0], 3, 3e-3F);
 }
 

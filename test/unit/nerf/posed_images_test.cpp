@@ -10,9 +10,6 @@
 namespace deja_view::nerf {
 namespace {
 
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-
 class PosedImagesTest : public ImageFilesTest {
  protected:
   PosedImage MakeImage(const cv::Mat& pixels = cv::Mat(12, 16, CV_8UC1, 77.0)) const {
@@ -62,11 +59,10 @@ TEST_F(PosedImagesTest, LoadRefusesOtherSizesAndBrokenFiles) {
   const auto error = [](const PosedImage& image) {
     return MessageOf<InputError>([&] { LoadViews({image}, {}); });
   };
-  EXPECT_THAT(error(MakeImage(cv::Mat(10, 10, CV_8UC1, 1.0))),
-              AllOf(HasSubstr("image.png"), HasSubstr("10x10"), HasSubstr("16x12")));
+  EXPECT_THAT(error(MakeImage(cv::Mat(10, 10, CV_8UC1, 1.0))), Says("image.png", "10x10", "16x12"));
   PosedImage image = MakeImage();
   Write("image.png", "not a picture");
-  EXPECT_THAT(error(image), HasSubstr("can't be read as an image"));
+  EXPECT_THAT(error(image), Says("can't be read as an image"));
 }
 
 TEST_F(PosedImagesTest, CountsTheChannelsThatDiffer) {
@@ -102,11 +98,10 @@ TEST_F(PosedImagesTest, DepthMapsOfOtherKindsAreRefused) {
     image.depth.path = WriteImage("depth.png", depth);
     return MessageOf<InputError>([&] { ReadDepthMap(image); });
   };
-  EXPECT_THAT(error(cv::Mat(12, 16, CV_8UC1, 3.0)),
-              AllOf(HasSubstr("depth.png"), HasSubstr("16-bit")));
-  EXPECT_THAT(error(cv::Mat(12, 15, CV_16UC1, 3.0)), HasSubstr("16x12"));
+  EXPECT_THAT(error(cv::Mat(12, 16, CV_8UC1, 3.0)), Says("depth.png", "16-bit"));
+  EXPECT_THAT(error(cv::Mat(12, 15, CV_16UC1, 3.0)), Says("16x12"));
   image.depth.path = directory_ / "none.png";
-  EXPECT_THAT(MessageOf<InputError>([&] { ReadDepthMap(image); }), HasSubstr("none.png"));
+  EXPECT_THAT(MessageOf<InputError>([&] { ReadDepthMap(image); }), Says("none.png"));
 }
 
 TEST_F(PosedImagesTest, StrayPointsAreDropped) {

@@ -1,18 +1,13 @@
 #include "deja_view/base/check.hpp"
-#include "deja_view/camera/pinhole_camera.hpp"
 #include "deja_view/nerf/image_readers.hpp"
 
 #include <cmath>
-#include <memory>
 
 #include "image_files.hpp"
 #include <gmock/gmock.h>
 
 namespace deja_view::nerf {
 namespace {
-
-using ::testing::AllOf;
-using ::testing::HasSubstr;
 
 class SevenScenesTest : public ImageFilesTest {
  protected:
@@ -42,13 +37,7 @@ TEST_F(SevenScenesTest, ReadsFrames) {
 }
 
 TEST_F(SevenScenesTest, TheColorCameraMayDifferFromTheDepthSensor) {
-  PinholeParameters p;
-  p.width = 16;
-  p.height = 12;
-  p.fx = p.fy = 50;
-  p.cx = 7;
-  p.cy = 5;
-  const auto color_camera = std::make_shared<PinholeCamera>(p);
+  const auto color_camera = SharedPinholeOf(16, 12, 50, 7, 5);
   const auto images = ReadSevenScenes(directory_, false, color_camera);
   EXPECT_EQ(images[1].camera, color_camera);
   EXPECT_NEAR(DepthCamera(images[1])->FocalLength(), 58.5, 1e-12);
@@ -64,14 +53,14 @@ TEST_F(SevenScenesTest, TheColorCameraMayDifferFromTheDepthSensor) {
 
 TEST_F(SevenScenesTest, MissingFilesAreErrors) {
   std::filesystem::remove(directory_ / "frame-000000.pose.txt");
-  EXPECT_THAT(Error(), AllOf(HasSubstr("1 of 2 frames have no pose"), HasSubstr("frame-000000")));
+  EXPECT_THAT(Error(), Says("1 of 2 frames have no pose", "frame-000000"));
   EXPECT_EQ(ReadSevenScenes(directory_, true).size(), 1U);
   std::filesystem::remove(directory_ / "frame-000030.color.png");
-  EXPECT_THAT(Error(), HasSubstr("1 of 2 frames have no color image"));
+  EXPECT_THAT(Error(), Says("1 of 2 frames have no color image"));
   EXPECT_THAT(MessageOf<InputError>([&] { ReadSevenScenes(directory_, true); }),
-              HasSubstr("expected frame-XXXXXX.color"));
+              Says("expected frame-XXXXXX.color"));
   EXPECT_THAT(MessageOf<InputError>([&] { ReadSevenScenes(directory_ / "none"); }),
-              HasSubstr("can't be listed"));
+              Says("can't be listed"));
 }
 
 TEST_F(SevenScenesTest, MalformedFilesAreNamed) {
@@ -81,13 +70,13 @@ TEST_F(SevenScenesTest, MalformedFilesAreNamed) {
                            "1 0 0 1\n0 0 1 2\n0 1 0 3\n0 0 0 1\n",
                            "-1.#IND 0 0 1\n"}) {
     Write("frame-000000.pose.txt", pose);
-    EXPECT_THAT(Error(), HasSubstr("frame-000000.pose.txt")) << pose;
+    EXPECT_THAT(Error(), Says("frame-000000.pose.txt")) << pose;
   }
   Write("frame-000000.pose.txt", "1 0 0 1\n0 0 -1 2\n0 1 0 3\n0 0 0 1\n");
   Write("camera-intrinsics.txt", "0 0 8\n0 58 6\n0 0 1\n");
-  EXPECT_THAT(Error(), HasSubstr("camera-intrinsics.txt"));
+  EXPECT_THAT(Error(), Says("camera-intrinsics.txt"));
   std::filesystem::remove(directory_ / "camera-intrinsics.txt");
-  EXPECT_THAT(Error(), HasSubstr("camera-intrinsics.txt"));
+  EXPECT_THAT(Error(), Says("camera-intrinsics.txt"));
 }
 
 }  // namespace

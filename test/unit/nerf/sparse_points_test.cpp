@@ -5,6 +5,7 @@
 #include <random>
 
 #include "test_cameras.hpp"
+#include "viewed_scene.hpp"
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
@@ -30,21 +31,12 @@ cv::Mat MakeTexture() {
 
 TrainingView MakeView(const std::shared_ptr<const Camera>& camera, const Rigid3& T_N_C) {
   static const cv::Mat kTexture = MakeTexture();
-  TrainingView view;
-  view.camera = camera;
-  view.T_N_C = T_N_C;
-  view.image.create(camera->height(), camera->width(), CV_8UC1);
-  for (int y = 0; y < camera->height(); ++y) {
-    for (int x = 0; x < camera->width(); ++x) {
-      const Eigen::Vector3d ray = T_N_C.q * camera->Unproject({x, y});
-      const Eigen::Vector3d p = T_N_C.t + (kWall - T_N_C.t.z()) / ray.z() * ray;
-      const int u = static_cast<int>(std::floor(p.x() / 0.08)) + 50;
-      const int v = static_cast<int>(std::floor(p.y() / 0.08)) + 50;
-      view.image.at<std::uint8_t>(y, x) =
-          kTexture.at<std::uint8_t>(std::clamp(v, 0, 99), std::clamp(u, 0, 99));
-    }
-  }
-  return view;
+  return ViewOf(camera, T_N_C, [&](const Eigen::Vector3d& ray) {
+    const Eigen::Vector3d p = T_N_C.t + (kWall - T_N_C.t.z()) / ray.z() * ray;
+    const int u = static_cast<int>(std::floor(p.x() / 0.08)) + 50;
+    const int v = static_cast<int>(std::floor(p.y() / 0.08)) + 50;
+    return kTexture.at<std::uint8_t>(std::clamp(v, 0, 99), std::clamp(u, 0, 99));
+  });
 }
 
 std::vector<TrainingView> MakeViews() {

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <limits>
 
+#include "viewed_scene.hpp"
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
@@ -18,8 +19,8 @@ namespace {
 
 constexpr double kHalf = 1.5;  ///< [m] half the room's side
 
-// A cubic room with smooth waves on its walls, seen from within.
-float WallRadiance(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
+// Along a ray, to the walls of a cubic room that is seen from within.
+double WallRange(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
   double t = std::numeric_limits<double>::max();
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     const double wall = direction[axis] > 0 ? kHalf : -kHalf;
@@ -27,7 +28,12 @@ float WallRadiance(const Eigen::Vector3d& origin, const Eigen::Vector3d& directi
       t = std::min(t, (wall - origin[axis]) / direction[axis]);
     }
   }
-  const Eigen::Vector3d p = origin + t * direction;
+  return t;
+}
+
+// Smooth waves on the walls.
+float WallRadiance(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
+  const Eigen::Vector3d p = origin + WallRange(origin, direction) * direction;
   return static_cast<float>(0.5 + 0.2 * std::sin(4 * p.x() + p.y()) +
                             0.2 * std::cos(5 * p.y() - 3 * p.z()));
 }
@@ -35,28 +41,22 @@ float WallRadiance(const Eigen::Vector3d& origin, const Eigen::Vector3d& directi
 TrainingView MakeView(const std::shared_ptr<const Camera>& camera,
                       const Rigid3& T_N_C,
                       float gain) {
-  TrainingView view;
-  view.camera = camera;
-  view.T_N_C = T_N_C;
-  view.image.create(camera->height(), camera->width(), CV_8UC1);
-  for (int y = 0; y < camera->height(); ++y) {
-    for (int x = 0; x < camera->width(); ++x) {
-      const float value = gain * WallRadiance(T_N_C.t, T_N_C.q * camera->Unproject({x, y}));
-      view.image.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(255 * value + 0.5F);
-    }
-  }
-  return view;
+  return ViewOf(camera, T_N_C, [&](const Eigen::Vector3d& ray) {
+    return 255 * (gain * WallRadiance(T_N_C.t, ray)) + 0.5F;
+  });
+}
+
+// Where the wall is at a pixel.
+DepthPoint WallPoint(const TrainingView& view, const Eigen::Vector2d& pixel) {
+  const Eigen::Vector3d ray = view.T_N_C.q * view.camera->Unproject(pixel);
+  return {static_cast<float>(pixel.x()),
+          static_cast<float>(pixel.y()),
+          static_cast<float>(WallRange(view.T_N_C.t, ray))};
 }
 
 std::shared_ptr<const Camera> SmallCamera() {
-  PinholeParameters parameters;
-  parameters.width = 48;
-  parameters.height = 36;
-  parameters.fx = parameters.fy = 30;
-  parameters.cx = 23.5;
-  parameters.cy = 17.5;
-  parameters.k1 = -0.05;
-  return std::make_shared<PinholeCamera>(parameters);
+  return std::make_shared<PinholeCamera>(
+      PinholeParameters{48, 36, 30, 30, 23.5, 17.5, -0.05, 0, 0, 0});
 }
 
 Rigid3 Pose(int i) {
@@ -149,15 +149,7 @@ TEST(Trainer, DepthPointsDrawWeightToThem) {
   for (TrainingView& view : views) {
     view.image.setTo(128);  // without texture, only the points tell where the walls are
     for (int i = 0; i < 200; ++i) {
-      const Eigen::Vector2d pixel(i * 7 % 48, i * 11 % 36);
-      const Eigen::Vector3d direction = view.T_N_C.q * view.camera->Unproject(pixel);
-      double t = std::numeric_limits<double>::max();
-      for (Eigen::Index axis = 0; axis < 3; ++axis) {
-        const double wall = direction[axis] > 0 ? kHalf : -kHalf;
-        t = std::min(t, (wall - view.T_N_C.t[axis]) / direction[axis]);
-      }
-      view.points.push_back(
-          {static_cast<float>(pixel.x()), static_cast<float>(pixel.y()), static_cast<float>(t)});
+      view.points.push_back(WallPoint(view, {i * 7 % 48, i * 11 % 36}));
     }
   }
   const std::vector<TrainingView> kept = views;
@@ -213,15 +205,7 @@ TEST(BoxAround, HoldsCamerasAndPoints) {
 void AddPoints(std::vector<TrainingView>* views) {
   for (TrainingView& view : *views) {
     for (int i = 0; i < 12; ++i) {
-      const Eigen::Vector2d pixel(4 + i * 37 % 40, 3 + i * 23 % 30);
-      const Eigen::Vector3d ray = view.T_N_C.q * view.camera->Unproject(pixel);
-      double t = std::numeric_limits<double>::max();
-      for (Eigen::Index axis = 0; axis < 3; ++axis) {
-        const double wall = ray[axis] > 0 ? kHalf : -kHalf;
-        t = std::min(t, (wall - view.T_N_C.t[axis]) / ray[axis]);
-      }
-      view.points.push_back(
-          {static_cast<float>(pixel.x()), static_cast<float>(pixel.y()), static_cast<float>(t)});
+      view.points.push_back(WallPoint(view, {4 + i * 37 % 40, 3 + i * 23 % 30}));
     }
   }
 }

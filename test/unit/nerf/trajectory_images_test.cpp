@@ -8,7 +8,6 @@ namespace deja_view::nerf {
 namespace {
 
 using ::testing::AllOf;
-using ::testing::HasSubstr;
 using ::testing::Not;
 
 class TrajectoryImagesTest : public ImageFilesTest {
@@ -47,22 +46,22 @@ TEST_F(TrajectoryImagesTest, AreFoundInEurocsFolders) {
 }
 
 TEST_F(TrajectoryImagesTest, ErrorsNameTheFile) {
-  EXPECT_THAT(Error(), HasSubstr("holds no image"));
+  EXPECT_THAT(Error(), Says("holds no image"));
   WriteImage("1000000000.png");
   WriteImage("2000000000.png");
-  EXPECT_THAT(Error(), AllOf(HasSubstr("1 of 2 images"), HasSubstr("(2000000000)")));
+  EXPECT_THAT(Error(), Says("1 of 2 images", "(2000000000)"));
   EXPECT_EQ(Read(true).size(), 1U);
   for (int i = 0; i < 4; ++i) {
     WriteImage(std::to_string(3'000'000'000 + i) + ".png");
   }
-  EXPECT_THAT(Error(), AllOf(HasSubstr("5 of 6"), HasSubstr("..."), Not(HasSubstr("3000000003"))));
+  EXPECT_THAT(Error(), AllOf(Says("5 of 6"), Says("..."), Not(Says("3000000003"))));
   WriteImage("frame7.png");
-  EXPECT_THAT(Error(), HasSubstr("frame7.png"));
+  EXPECT_THAT(Error(), Says("frame7.png"));
 }
 
 TEST_F(TrajectoryImagesTest, SkippingAllIsAnError) {
   WriteImage("2000000000.png");
-  EXPECT_THAT(Error(true), HasSubstr("1 of 1 images"));
+  EXPECT_THAT(Error(true), Says("1 of 1 images"));
 }
 
 }  // namespace

@@ -9,9 +9,6 @@
 namespace deja_view::nerf {
 namespace {
 
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-
 constexpr const char* kPose = R"("transform_matrix":[[1,0,0,4],[0,1,0,5],[0,0,1,6],[0,0,0,1]])";
 
 TEST(FromRightUpBack, TurnsTheCamerasAxesOnly) {
@@ -89,7 +86,7 @@ TEST_F(TransformsTest, MissingImagesAreErrors) {
   const std::string two = std::string(R"({"fl_x":10,"w":16,"h":12,"frames":[)") +
                           R"({"file_path":"images/a.png",)" + kPose +
                           R"(},{"file_path":"images/none.png",)" + kPose + "}]}";
-  EXPECT_THAT(Error(two), AllOf(HasSubstr("1 of 2 frames"), HasSubstr("images/none.png")));
+  EXPECT_THAT(Error(two), Says("1 of 2 frames", "images/none.png"));
   EXPECT_EQ(Read(two, true).size(), 1U);
 }
 
@@ -104,26 +101,25 @@ TEST_F(TransformsTest, DegeneratePosesNameTheirFrame) {
            R"("transform_matrix":[[1,0,0,4],[0,1,0,5],[0,0,1,6],[0,0,1,1]])",
            R"("transform":0)",
        }) {
-    EXPECT_THAT(Error(File(keys, pose)),
-                AllOf(HasSubstr("transforms.json: frame 0"), HasSubstr("transform_matrix")))
+    EXPECT_THAT(Error(File(keys, pose)), Says("transforms.json: frame 0", "transform_matrix"))
         << pose;
   }
 }
 
 TEST_F(TransformsTest, BadKeysAreNamed) {
-  EXPECT_THAT(Error("{"), HasSubstr("expected JSON"));
-  EXPECT_THAT(Error("[]"), HasSubstr("expected JSON"));
-  EXPECT_THAT(Error(R"({"frames":[]})"), HasSubstr("'frames'"));
-  EXPECT_THAT(Error(R"({"frames":[5]})"), HasSubstr("file_path"));
-  EXPECT_THAT(Error(File(R"("w":16,"h":12)")), HasSubstr("fl_x or camera_angle_x"));
-  EXPECT_THAT(Error(File(R"("w":16,"h":12,"fl_x":-3)")), HasSubstr("'fl_x'"));
-  EXPECT_THAT(Error(File(R"("w":16,"h":12,"fl_x":"ten")")), HasSubstr("'fl_x'"));
-  EXPECT_THAT(Error(File(R"("w":16.5,"h":12,"fl_x":10)")), HasSubstr("'w'"));
-  EXPECT_THAT(Error(File(R"("w":16,"h":12,"fl_x":10,"k3":0.1)")), HasSubstr("'k3'"));
+  EXPECT_THAT(Error("{"), Says("expected JSON"));
+  EXPECT_THAT(Error("[]"), Says("expected JSON"));
+  EXPECT_THAT(Error(R"({"frames":[]})"), Says("'frames'"));
+  EXPECT_THAT(Error(R"({"frames":[5]})"), Says("file_path"));
+  EXPECT_THAT(Error(File(R"("w":16,"h":12)")), Says("fl_x or camera_angle_x"));
+  EXPECT_THAT(Error(File(R"("w":16,"h":12,"fl_x":-3)")), Says("'fl_x'"));
+  EXPECT_THAT(Error(File(R"("w":16,"h":12,"fl_x":"ten")")), Says("'fl_x'"));
+  EXPECT_THAT(Error(File(R"("w":16.5,"h":12,"fl_x":10)")), Says("'w'"));
+  EXPECT_THAT(Error(File(R"("w":16,"h":12,"fl_x":10,"k3":0.1)")), Says("'k3'"));
   EXPECT_THAT(Error(File(R"("w":16,"h":12,"fl_x":10,"camera_model":"EQUIRECTANGULAR")")),
-              HasSubstr("EQUIRECTANGULAR"));
+              Says("EQUIRECTANGULAR"));
   EXPECT_THAT(MessageOf<InputError>([&] { ReadTransforms(directory_ / "none.json"); }),
-              HasSubstr("can't be opened"));
+              Says("can't be opened"));
 }
 
 }  // namespace

@@ -76,11 +76,16 @@ NearbyPlace At(int keyframe, double x, double yaw_deg) {
   return {keyframe, {FromYaw(ToRadians(yaw_deg)) * forward, {x, 0, 0}}};
 }
 
-TEST(CandidatesNearby, NearestInDistanceAndAngleFirst) {
+CandidateOptions NearbyOptions(int count) {
   CandidateOptions options = Options();
-  options.nearby = 3;
+  options.nearby = count;
   options.nearby_distance_m = 2;
   options.nearby_angle_deg = 40;
+  return options;
+}
+
+TEST(CandidatesNearby, NearestInDistanceAndAngleFirst) {
+  const CandidateOptions options = NearbyOptions(3);
   const NearbyPlace here = At(100, 0, 0);
   // Costs: distance / 2 + angle / 40.
   const std::vector<NearbyPlace> places = {
@@ -91,10 +96,7 @@ TEST(CandidatesNearby, NearestInDistanceAndAngleFirst) {
 }
 
 TEST(CandidatesNearby, LeavesOutWhatIsFarOrLooksElsewhere) {
-  CandidateOptions options = Options();
-  options.nearby = 10;
-  options.nearby_distance_m = 2;
-  options.nearby_angle_deg = 40;
+  CandidateOptions options = NearbyOptions(10);
   const NearbyPlace here = At(100, 0, 0);
   EXPECT_THAT(Keyframes(CandidatesNearby(
                   {At(0, 2.1, 0), At(1, -2.1, 0), At(2, 0, 41), At(3, 0, 180), At(4, 1.9, 39)},

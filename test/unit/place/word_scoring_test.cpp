@@ -27,6 +27,19 @@ TEST(WordScoring, TfIdfIsTermFrequencyTimesIdf) {
   EXPECT_EQ(weighted[1].weight, 0.0);
 }
 
+/// What is left of the image's weights, each a share from `low` to `high`.
+void ExpectWeights(const WeightedBow& weighted,
+                   const std::vector<double>& expected,
+                   double low,
+                   double high) {
+  ASSERT_EQ(weighted.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_NEAR(weighted[i].weight, expected[i], kTight);
+    EXPECT_GT(weighted[i].weight / kImage[i].weight, low);
+    EXPECT_LT(weighted[i].weight / kImage[i].weight, high);
+  }
+}
+
 TEST(WordScoring, TfIdfIsKeptWithoutMore) {
   const WeightedBow weighted = WeighWords(kImage, WordWeighting::kTfidf);
   EXPECT_EQ(weighted[2].weight, 5.0);
@@ -35,26 +48,14 @@ TEST(WordScoring, TfIdfIsKeptWithoutMore) {
 TEST(WordScoring, PrintedWeightsFallWithImportance) {
   // Eq. 8 as printed: S / (1 + S_bar): 1/(1 + 8/7), 2/(1 + 4/3), 5/(1 + 8/3).
   const WeightedBow weighted = WeighWords(kImage, WordWeighting::kPrinted);
-  EXPECT_NEAR(weighted[0].weight, 7.0 / 15.0, kTight);
-  EXPECT_NEAR(weighted[1].weight, 6.0 / 7.0, kTight);
-  EXPECT_NEAR(weighted[2].weight, 15.0 / 11.0, kTight);
-  for (std::size_t i = 0; i < 3; ++i) {
-    EXPECT_GT(weighted[i].weight / kImage[i].weight, 0.0);
-    EXPECT_LT(weighted[i].weight / kImage[i].weight, 0.5);
-  }
+  ExpectWeights(weighted, {7.0 / 15.0, 6.0 / 7.0, 15.0 / 11.0}, 0.0, 0.5);
   EXPECT_LT(weighted[2].weight / 5.0, weighted[0].weight / 1.0);
 }
 
 TEST(WordScoring, TextWeightsGrowWithImportance) {
   // S / (2 - p): 1/(15/8), 2/(7/4), 5/(11/8).
-  const WeightedBow weighted = WeighWords(kImage, WordWeighting::kText);
-  EXPECT_NEAR(weighted[0].weight, 8.0 / 15.0, kTight);
-  EXPECT_NEAR(weighted[1].weight, 8.0 / 7.0, kTight);
-  EXPECT_NEAR(weighted[2].weight, 40.0 / 11.0, kTight);
-  for (std::size_t i = 0; i < 3; ++i) {
-    EXPECT_GT(weighted[i].weight / kImage[i].weight, 0.5);
-    EXPECT_LE(weighted[i].weight / kImage[i].weight, 1.0);
-  }
+  ExpectWeights(
+      WeighWords(kImage, WordWeighting::kText), {8.0 / 15.0, 8.0 / 7.0, 40.0 / 11.0}, 0.5, 1.0);
 }
 
 /// A vocabulary of four words: 1 is 10 bits from 0, 2 is 30 bits from 0 and 40 from 1, 3 far away.
@@ -131,7 +132,8 @@ TEST(WordScoring, WordsGainFromImportantSynonyms) {
 
 TEST(WordScoring, AnImageOfOneWordHasFiniteWeights) {
   const SynonymKernel kernel(FourWords(), 32, 10.0);
-  for (const auto& [weighting, name] : EnumNames<WordWeighting>::kNames) {
+  for (const std::string_view name : kEnumNames<WordWeighting>) {
+    const auto weighting = EnumFromString<WordWeighting>(name).value();
     const WeightedBow weighted = WeighWords({{1, 4.0}}, weighting, &kernel);
     EXPECT_TRUE(std::isfinite(weighted[0].weight)) << name;
   }

@@ -29,9 +29,19 @@ Images MakeImages(double gain, double bias, double noise) {
   return images;
 }
 
+ExposureFit Fit(const Images& images) {
+  return FitExposure(images.rendered, images.real, images.opacity, 0.5);
+}
+
+void ExpectFit(const Images& images, double gain, double bias, double tolerance) {
+  const ExposureFit fit = Fit(images);
+  EXPECT_NEAR(fit.gain, gain, tolerance);
+  EXPECT_NEAR(fit.bias, bias, tolerance);
+}
+
 TEST(ExposureFitTest, FindsGainAndBias) {
   const Images images = MakeImages(1.3, -0.08, 2);
-  const ExposureFit fit = FitExposure(images.rendered, images.real, images.opacity, 0.5);
+  const ExposureFit fit = Fit(images);
   EXPECT_NEAR(fit.gain, 1.3, 0.01);
   EXPECT_NEAR(fit.bias, -0.08, 0.005);
   EXPECT_GT(fit.correlation, 0.99);
@@ -41,35 +51,31 @@ TEST(ExposureFitTest, FindsGainAndBias) {
 TEST(ExposureFitTest, IsNotLedAstrayByAFewWrongPixels) {
   Images images = MakeImages(1, 0, 2);
   images.real(cv::Rect(0, 0, 80, 6)).setTo(255);
-  const ExposureFit fit = FitExposure(images.rendered, images.real, images.opacity, 0.5);
-  EXPECT_NEAR(fit.gain, 1, 0.02);
-  EXPECT_NEAR(fit.bias, 0, 0.015);
+  ExpectFit(images, 1, 0, 0.015);
 }
 
 TEST(ExposureFitTest, PassesOverWhatIsNotOpaque) {
   Images images = MakeImages(0.7, 0.1, 1);
   images.real(cv::Rect(0, 0, 80, 40)).setTo(0);
   images.opacity(cv::Rect(0, 0, 80, 40)).setTo(0.4);
-  const ExposureFit fit = FitExposure(images.rendered, images.real, images.opacity, 0.5);
-  EXPECT_NEAR(fit.gain, 0.7, 0.01);
-  EXPECT_NEAR(fit.bias, 0.1, 0.01);
+  ExpectFit(images, 0.7, 0.1, 0.01);
 }
 
 TEST(ExposureFitTest, ANegativeDoesNotCorrelate) {
   Images images = MakeImages(1, 0, 1);
   cv::bitwise_not(images.real, images.real);
-  EXPECT_LT(FitExposure(images.rendered, images.real, images.opacity, 0.5).correlation, 0.1);
+  EXPECT_LT(Fit(images).correlation, 0.1);
 }
 
 TEST(ExposureFitTest, KeepsTheNeutralOneWhereThereIsNothingToFit) {
   Images images = MakeImages(1, 0, 1);
   images.opacity.setTo(0);
-  const ExposureFit none = FitExposure(images.rendered, images.real, images.opacity, 0.5);
+  const ExposureFit none = Fit(images);
   EXPECT_EQ(none.gain, 1);
   EXPECT_EQ(none.correlation, 0);
   images.opacity.setTo(1);
   images.real.setTo(100);
-  EXPECT_EQ(FitExposure(images.rendered, images.real, images.opacity, 0.5).gain, 1);
+  EXPECT_EQ(Fit(images).gain, 1);
 }
 
 }  // namespace

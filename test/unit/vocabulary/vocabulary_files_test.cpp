@@ -7,20 +7,19 @@
 #include <fstream>
 
 #include "random_vocabulary.hpp"
+#include "temporary_directory.hpp"
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 namespace deja_view {
 namespace {
 
-class VocabularyFilesTest : public ::testing::Test {
+class VocabularyFilesTest : public TemporaryDirectoryTest {
  protected:
-  VocabularyFilesTest() { std::filesystem::create_directories(directory_); }
-  ~VocabularyFilesTest() override { std::filesystem::remove_all(directory_); }
-
-  std::filesystem::path directory_ =
-      std::filesystem::path(::testing::TempDir()) /
-      ("deja_view_vocabulary_files_test" + std::to_string(::getpid()));
+  void ExpectFormats(const std::string& flat, const std::string& vins, const std::string& orb) {
+    EXPECT_EQ(DetectVocabularyFormat(directory_ / flat), VocabularyFormat::kFlat);
+    EXPECT_EQ(DetectVocabularyFormat(directory_ / vins), VocabularyFormat::kVins);
+    EXPECT_EQ(DetectVocabularyFormat(directory_ / orb), VocabularyFormat::kOrbSlam);
+  }
 };
 
 TEST_F(VocabularyFilesTest, FormatsAreToldApartByContent) {
@@ -28,19 +27,15 @@ TEST_F(VocabularyFilesTest, FormatsAreToldApartByContent) {
   WriteFlatVocabulary(directory_ / "a", tree);
   WriteVinsVocabulary(directory_ / "b", tree);
   WriteOrbSlamVocabulary(directory_ / "c", tree);
-  EXPECT_EQ(DetectVocabularyFormat(directory_ / "a"), VocabularyFormat::kFlat);
-  EXPECT_EQ(DetectVocabularyFormat(directory_ / "b"), VocabularyFormat::kVins);
-  EXPECT_EQ(DetectVocabularyFormat(directory_ / "c"), VocabularyFormat::kOrbSlam);
+  ExpectFormats("a", "b", "c");
 }
 
 TEST_F(VocabularyFilesTest, TheExtensionChoosesTheFormat) {
   const VocabularyTree tree = test::RandomTree(4, 2, 1);
-  WriteVocabulary(directory_ / "a.dvv", tree);
-  WriteVocabulary(directory_ / "a.bin", tree);
-  WriteVocabulary(directory_ / "a.txt", tree);
-  EXPECT_EQ(DetectVocabularyFormat(directory_ / "a.dvv"), VocabularyFormat::kFlat);
-  EXPECT_EQ(DetectVocabularyFormat(directory_ / "a.bin"), VocabularyFormat::kVins);
-  EXPECT_EQ(DetectVocabularyFormat(directory_ / "a.txt"), VocabularyFormat::kOrbSlam);
+  for (const char* name : {"a.dvv", "a.bin", "a.txt"}) {
+    WriteVocabulary(directory_ / name, tree);
+  }
+  ExpectFormats("a.dvv", "a.bin", "a.txt");
   EXPECT_THROW(WriteVocabulary(directory_ / "a.yml", tree), InputError);
 }
 

@@ -3,7 +3,6 @@
 #include "deja_view/base/enum_names.hpp"
 #include "deja_view/geometry/rigid3.hpp"
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -32,10 +31,7 @@ enum class ApeAlignment {
 };
 
 template <>
-struct EnumNames<ApeAlignment> {
-  static constexpr std::array<std::pair<ApeAlignment, const char*>, 3> kNames = {
-      {{ApeAlignment::kSe3, "se3"}, {ApeAlignment::kYaw, "yaw"}, {ApeAlignment::kNone, "none"}}};
-};
+inline constexpr auto kEnumNames<ApeAlignment> = EnumNames("se3", "yaw", "none");
 
 /// Poses that are compared: for each of the shorter trajectory the one of nearest stamp in the
 /// other, where it is at most `max_difference_ns` away; of two equally near ones the earlier.

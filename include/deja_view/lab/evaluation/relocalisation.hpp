@@ -17,20 +17,10 @@ struct RelocalisationBin {
 
 /// How far off the mapped places a keyframe can be and still be found.
 struct RelocalisationCurve {
-  /// By the distance [m] to the nearest place that looks the same way within `max_angle_deg`.
+  /// By the distance [m] to the nearest place that looks the same way within 30 degrees.
   std::vector<RelocalisationBin> by_distance;
-  /// By the angle [deg] between the viewing directions to the most aligned place within
-  /// `max_distance_m`.
+  /// By the angle [deg] between the viewing directions to the most aligned place within 1.5 m.
   std::vector<RelocalisationBin> by_angle;
-};
-
-struct RelocalisationOptions {
-  double max_angle_deg = 30.0;
-  double max_distance_m = 1.5;
-  double step_m = 0.5;
-  double step_deg = 10.0;
-  int distance_bins = 12;
-  int angle_bins = 9;
 };
 
 /// `places`: the map's, `current`: the keyframes that look for them, `is_found`: one per keyframe,
@@ -40,7 +30,6 @@ struct RelocalisationOptions {
 RelocalisationCurve MakeRelocalisationCurve(const std::vector<TrueKeyframe>& places,
                                             const std::vector<TrueKeyframe>& current,
                                             const std::vector<bool>& is_found,
-                                            const Rigid3& T_B_C,
-                                            const RelocalisationOptions& options = {});
+                                            const Rigid3& T_B_C);
 
 }  // namespace deja_view

@@ -9,9 +9,6 @@
 namespace deja_view {
 namespace {
 
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-
 class BagImagesTest : public BagTest {};
 
 TEST_F(BagImagesTest, ListsByStampAndDecodesLater) {
@@ -48,8 +45,7 @@ TEST_F(BagImagesTest, KeepsColorsAndSkipsDoubledStamps) {
   const auto compressed = ListBagImages(bag, "/png");
   EXPECT_EQ(compressed.at(0).stamp_ns, kStart + 5);
   EXPECT_EQ(compressed[0].read().at<cv::Vec3b>(1, 1), cv::Vec3b(4, 5, 6));
-  EXPECT_THAT(ErrorOf([&] { ListBagImages(bag, "/none"); }),
-              AllOf(HasSubstr("'/none'"), HasSubstr("/png")));
+  EXPECT_THAT(ErrorOf([&] { ListBagImages(bag, "/none"); }), Says("'/none'", "/png"));
 }
 
 TEST_F(BagImagesTest, KeyframesHaveTheCamerasPoseOfTheirTime) {
@@ -71,11 +67,11 @@ TEST_F(BagImagesTest, KeyframesWithoutPartnersAreErrors) {
     bag.Close();
   }
   EXPECT_THAT(ErrorOf([&] { ReadBagKeyframes(BagReader(Path("a.bag")), topics); }),
-              HasSubstr("no keyframe has a pose"));
+              Says("no keyframe has a pose"));
   VioTopics others;
   others.keyframe_point = "/none";
   EXPECT_THAT(ErrorOf([&] { ReadBagKeyframes(BagReader(Path("a.bag")), others); }),
-              HasSubstr("'/none'"));
+              Says("'/none'"));
 }
 
 }  // namespace

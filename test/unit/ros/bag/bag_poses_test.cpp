@@ -10,9 +10,6 @@
 namespace deja_view {
 namespace {
 
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-
 class BagPosesTest : public BagTest {};
 
 TEST_F(BagPosesTest, ReadsEveryKindOfPose) {
@@ -68,9 +65,9 @@ TEST_F(BagPosesTest, DoubledStampsCountOnceAndOnesThatGoBackAreErrors) {
                 back.Close();
                 ReadBagPoses(BagReader(Path("b.bag")), "/bad");
               }),
-              AllOf(HasSubstr("b.bag"), HasSubstr("'/bad'"), HasSubstr("comes after")));
-  EXPECT_THAT(ErrorOf([&] { ReadBagPoses(bag, "/image"); }), HasSubstr("TransformStamped"));
-  EXPECT_THAT(ErrorOf([&] { ReadBagPoses(bag, "/none"); }), HasSubstr("no topic '/none'"));
+              Says("b.bag", "'/bad'", "comes after"));
+  EXPECT_THAT(ErrorOf([&] { ReadBagPoses(bag, "/image"); }), Says("TransformStamped"));
+  EXPECT_THAT(ErrorOf([&] { ReadBagPoses(bag, "/none"); }), Says("no topic '/none'"));
 }
 
 }  // namespace

@@ -11,7 +11,6 @@ namespace deja_view {
 namespace {
 
 namespace fs = std::filesystem;
-using ::testing::HasSubstr;
 
 class BagWriterTest : public BagTest {
  protected:
@@ -49,9 +48,8 @@ TEST_F(BagWriterTest, LeavesNothingBehindUnlessClosed) {
 
 TEST_F(BagWriterTest, NamesAPathThatCannotBeWritten) {
   fs::create_directories(Path("taken.bag"));
-  EXPECT_THAT(ErrorOf([&] { BagWriter bag(Path("taken.bag")); }), HasSubstr("taken.bag"));
-  EXPECT_THAT(ErrorOf([&] { BagWriter bag("/proc/nowhere/x.bag"); }),
-              HasSubstr("/proc/nowhere/x.bag"));
+  EXPECT_THAT(ErrorOf([&] { BagWriter bag(Path("taken.bag")); }), Says("taken.bag"));
+  EXPECT_THAT(ErrorOf([&] { BagWriter bag("/proc/nowhere/x.bag"); }), Says("/proc/nowhere/x.bag"));
 }
 
 }  // namespace

@@ -13,8 +13,6 @@ namespace deja_view {
 namespace {
 
 namespace fs = std::filesystem;
-using ::testing::AllOf;
-using ::testing::HasSubstr;
 
 class ViewFlightImagesTest : public BagTest {
  protected:
@@ -78,29 +76,28 @@ TEST_F(ViewFlightImagesTest, HandsOverTheImagesThatAreWanted) {
         seen.push_back(time_ns);
       });
   EXPECT_EQ(seen, (std::vector<std::int64_t>{2, 4}));
-  EXPECT_THAT(ErrorOf([&] { flight->ListImages("/other"); }), HasSubstr("'/cam0/image_raw'"));
-  EXPECT_THAT(ErrorOf([&] { flight->KeyframeStamps({}); }), HasSubstr("no keyframes"));
+  EXPECT_THAT(ErrorOf([&] { flight->ListImages("/other"); }), Says("'/cam0/image_raw'"));
+  EXPECT_THAT(ErrorOf([&] { flight->KeyframeStamps({}); }), Says("no keyframes"));
   EXPECT_TRUE(flight->ReadTrackedPoints({}, *camera_, {}).empty());
 }
 
 TEST_F(ViewFlightImagesTest, ErrorsNameTheFile) {
   fs::create_directories(Path("images"));
-  EXPECT_THAT(OpenError(), HasSubstr("holds no image"));
+  EXPECT_THAT(OpenError(), Says("holds no image"));
   const fs::path good = WriteImage("1000000000.png", grey_);
   const fs::path unnamed = WriteImage("frame7.png", grey_);
-  EXPECT_THAT(OpenError(), AllOf(HasSubstr(unnamed.string()), HasSubstr("stamp")));
+  EXPECT_THAT(OpenError(), Says(unnamed.string(), "stamp"));
   fs::remove(unnamed);
   for (const char* name : {"0.png", "4294967296000000000.png"}) {
     const fs::path path = WriteImage(name, grey_);
-    EXPECT_THAT(OpenError(), AllOf(HasSubstr(path.string()), HasSubstr("as ROS can tell")));
+    EXPECT_THAT(OpenError(), Says(path.string(), "as ROS can tell"));
     fs::remove(path);
   }
   const fs::path large = WriteImage("4294967295999999999.png", cv::Mat(24, 32, CV_8UC1, 1.0));
   EXPECT_THAT(ErrorOf([&] { Open()->CheckContent(1); }),
-              AllOf(HasSubstr(large.string()), HasSubstr("32 x 24"), HasSubstr("16 x 12")));
+              Says(large.string(), "32 x 24", "16 x 12"));
   std::ofstream(large) << "no picture";
-  EXPECT_THAT(ErrorOf([&] { Open()->CheckContent(1); }),
-              AllOf(HasSubstr(large.string()), HasSubstr("can't be read")));
+  EXPECT_THAT(ErrorOf([&] { Open()->CheckContent(1); }), Says(large.string(), "can't be read"));
 }
 
 }  // namespace

@@ -12,7 +12,6 @@ namespace deja_view {
 namespace {
 
 namespace fs = std::filesystem;
-using ::testing::HasSubstr;
 
 class SubMapTest : public ViewBagTest {
  protected:
@@ -84,11 +83,11 @@ TEST_F(SubMapTest, SharesOfSubMapsMergeToTheSameFile) {
   EXPECT_THAT(ErrorOf([&] {
                 MergeViews(*job_.flight, {halves[0], halves[1], halves[2]}, Path("x.bag"));
               }),
-              HasSubstr("part 1 of 2 of sub-map 1 of 2 is missing"));
+              Says("part 1 of 2 of sub-map 1 of 2 is missing"));
   EXPECT_THAT(ErrorOf([&] {
                 MergeViews(*job_.flight, {halves[0], wholes[1]}, Path("x.bag"));
               }),
-              HasSubstr("another number of parts"));
+              Says("another number of parts"));
 }
 
 TEST_F(SubMapTest, RefusesPartsThatDoNotBelongTogether) {
@@ -97,18 +96,18 @@ TEST_F(SubMapTest, RefusesPartsThatDoNotBelongTogether) {
   const std::vector<fs::path> parts = {Path("part00.bag"), Path("part10.bag")};
   const fs::path out = Path("x.bag");
   EXPECT_THAT(ErrorOf([&] { MergeViews(*job_.flight, {parts[0]}, out); }),
-              HasSubstr("part 0 of 1 of sub-map 1 of 2 is missing"));
+              Says("part 0 of 1 of sub-map 1 of 2 is missing"));
   EXPECT_THAT(ErrorOf([&] {
                 MergeViews(*job_.flight, {parts[0], parts[0], parts[1]}, out);
               }),
-              HasSubstr("part 0 of 1 of sub-map 0 of 2 is given twice"));
+              Says("part 0 of 1 of sub-map 0 of 2 is given twice"));
   ViewJob other = Job({1, 3}, {0, 1}, "model: b");
   other.out = Path("of_three.bag");
   Run(other);
   EXPECT_THAT(ErrorOf([&] {
                 MergeViews(*job_.flight, {parts[0], other.out}, out);
               }),
-              HasSubstr("of_three.bag"));
+              Says("of_three.bag"));
   // Two shares of a sub-map by different models.
   ViewJob half = Job({0, 2}, {0, 2}, "model: a");
   Run(half);
@@ -117,7 +116,7 @@ TEST_F(SubMapTest, RefusesPartsThatDoNotBelongTogether) {
   EXPECT_THAT(ErrorOf([&] {
                 MergeViews(*job_.flight, {half.out, half_of_other.out}, out);
               }),
-              HasSubstr("other settings"));
+              Says("other settings"));
   EXPECT_FALSE(fs::exists(out));
 }
 

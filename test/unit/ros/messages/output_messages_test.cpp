@@ -1,10 +1,9 @@
 #include "deja_view/ros/messages/output_messages.hpp"
 
-#include "deja_view/camera/pinhole_camera.hpp"
-
 #include <cmath>
 #include <vector>
 
+#include "test_cameras.hpp"
 #include <gtest/gtest.h>
 
 namespace deja_view {
@@ -120,14 +119,8 @@ TEST(OutputMessagesTest, PoseGraphMarkersJoinTheEndsOfLoops) {
 }
 
 TEST(OutputMessagesTest, CameraIsAPyramidInFrontOfItsCentre) {
-  PinholeParameters p;
-  p.width = 200;
-  p.height = 100;
-  p.fx = p.fy = 100;
-  p.cx = 100;
-  p.cy = 50;
   const Rigid3 T_M_C{Eigen::Quaterniond::Identity(), {1, 1, 1}};
-  const auto markers = ToCameraMarkers(T_M_C, PinholeCamera(p), 0.5, kStamp, {});
+  const auto markers = ToCameraMarkers(T_M_C, PinholeOf(200, 100, 100, 100, 50), 0.5, kStamp, {});
   ASSERT_EQ(markers.markers.size(), 1U);
   const auto& points = markers.markers[0].points;
   ASSERT_EQ(points.size(), 16U);
