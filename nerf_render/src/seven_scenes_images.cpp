@@ -105,9 +105,9 @@ std::map<std::int64_t, FrameFiles> ListFrames(const fs::path& directory) {
 
 std::vector<PosedImage> ReadSevenScenes(const fs::path& directory,
                                         bool skip_missing,
-                                        std::shared_ptr<const Camera> color_camera) {
-  constexpr std::int64_t kFirst_ns = 1'000'000'000'000;
-  constexpr double kPeriod_ns = 1e9 / 30;
+                                        const std::shared_ptr<const Camera>& color_camera) {
+  constexpr std::int64_t kFirstNs = 1'000'000'000'000;
+  constexpr double kPeriodNs = 1e9 / 30;
   std::vector<PosedImage> images;
   internal::Missing without_image;
   internal::Missing without_pose;
@@ -121,7 +121,7 @@ std::vector<PosedImage> ReadSevenScenes(const fs::path& directory,
     PosedImage image;
     image.path = files.color;
     image.name = name;
-    image.stamp_ns = kFirst_ns + std::llround(static_cast<double>(number) * kPeriod_ns);
+    image.stamp_ns = kFirstNs + std::llround(static_cast<double>(number) * kPeriodNs);
     image.T_N_C = ReadPose(files.pose);
     image.depth.path = files.depth;
     images.push_back(std::move(image));

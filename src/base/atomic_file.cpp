@@ -1,9 +1,9 @@
 #include "deja_view/base/atomic_file.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/system_words.hpp"
 
 #include <cerrno>
-#include <cstring>
 #include <fstream>
 
 #include <fcntl.h>
@@ -17,12 +17,12 @@ namespace fs = std::filesystem;
 void FlushToDisk(const fs::path& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) {
-    ThrowInputError("{}: can't be reopened to flush: {}", path.string(), std::strerror(errno));
+    ThrowInputError("{}: can't be reopened to flush: {}", path.string(), SystemsWords());
   }
   const int result = ::fsync(descriptor);
   ::close(descriptor);
   if (result != 0) {
-    ThrowInputError("{}: can't be flushed to disk: {}", path.string(), std::strerror(errno));
+    ThrowInputError("{}: can't be flushed to disk: {}", path.string(), SystemsWords());
   }
 }
 
@@ -40,12 +40,12 @@ void WriteFileAtomically(const fs::path& path, const std::function<void(std::ost
   try {
     std::ofstream stream(temporary, std::ios::binary | std::ios::trunc);
     if (!stream) {
-      ThrowInputError("{}: can't be written: {}", path.string(), std::strerror(errno));
+      ThrowInputError("{}: can't be written: {}", path.string(), SystemsWords());
     }
     write(stream);
     stream.close();
     if (!stream) {
-      ThrowInputError("{}: can't be written: {}", path.string(), std::strerror(errno));
+      ThrowInputError("{}: can't be written: {}", path.string(), SystemsWords());
     }
     FlushToDisk(temporary);
     fs::rename(temporary, path);

@@ -1,20 +1,15 @@
 #include "deja_view/base/input_file.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/system_words.hpp"
 
-#include <cerrno>
 #include <string>
-#include <system_error>
 
 #include <sys/stat.h>
 #include <unistd.h>
 
 namespace deja_view {
 namespace {
-
-std::string SystemsWords() {
-  return std::generic_category().message(errno);
-}
 
 const char* KindOf(mode_t mode) {
   if (S_ISDIR(mode)) {

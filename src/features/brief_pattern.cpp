@@ -42,8 +42,8 @@ std::vector<std::int8_t> ReadList(const std::filesystem::path& path,
 int BriefPattern::Radius() const {
   int radius = 0;
   for (const Pair& pair : pairs) {
-    for (const int offset : {pair.x1, pair.y1, pair.x2, pair.y2}) {
-      radius = std::max(radius, std::abs(offset));
+    for (const std::int8_t offset : {pair.x1, pair.y1, pair.x2, pair.y2}) {
+      radius = std::max(radius, std::abs(static_cast<int>(offset)));
     }
   }
   return radius;

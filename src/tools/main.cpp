@@ -3,7 +3,9 @@
 
 #include "common/commands.hpp"
 
-int main(int argc, char** argv) {
+namespace {
+
+int Run(int argc, char** argv) {
   CLI::App app{
       "Loop closure for visual-inertial drones that also recognises a place from new viewpoints",
       "deja_view"};
@@ -28,8 +30,14 @@ int main(int argc, char** argv) {
 #endif
   deja_view::AddVocabularyCommand(app, &command);
   CLI11_PARSE(app, argc, argv);
+  return command();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
   try {
-    return command();
+    return Run(argc, argv);
   } catch (const std::exception& e) {
     std::cerr << "deja_view: " << e.what() << "\n";
     return 1;

@@ -96,8 +96,8 @@ SuperResolution::SuperResolution(const std::filesystem::path& path) : path_(path
   ThrowInputError("{}: networks need OpenCV's dnn, which this build does not have", path.string());
 }
 
-cv::Mat SuperResolution::Double(const cv::Mat& half, cv::Size /*size*/) {
-  return half;
+cv::Mat SuperResolution::Double(const cv::Mat& image, cv::Size /*size*/) {
+  return image;
 }
 
 #endif

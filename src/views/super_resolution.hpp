@@ -21,7 +21,7 @@ class SuperResolution {
 
   /// CV_8UC1 of `size`, cut or continued by a pixel where that is odd. Throws InputError that names
   /// the file when the network's output is not twice the input's size.
-  cv::Mat Double(const cv::Mat& half, cv::Size size);
+  cv::Mat Double(const cv::Mat& image, cv::Size size);
 
  private:
   std::filesystem::path path_;

@@ -2,9 +2,9 @@
 
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/input_file.hpp"
+#include "deja_view/base/system_words.hpp"
 
 #include <cerrno>
-#include <cstring>
 #include <utility>
 
 #include <fcntl.h>
@@ -18,7 +18,7 @@ MappedFile::MappedFile(const std::filesystem::path& path) {
   CheckInputFile(path);
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (file < 0) {
-    ThrowInputError("{}: can't be opened: {}", path.string(), std::strerror(errno));
+    ThrowInputError("{}: can't be opened: {}", path.string(), SystemsWords());
   }
   struct stat status {};
   int error = ::fstat(file, &status) == 0 ? 0 : errno;
@@ -33,7 +33,7 @@ MappedFile::MappedFile(const std::filesystem::path& path) {
   ::close(file);
   if (error != 0) {
     data_ = nullptr;
-    ThrowInputError("{}: can't be mapped into memory: {}", path.string(), std::strerror(error));
+    ThrowInputError("{}: can't be mapped into memory: {}", path.string(), SystemsWords(error));
   }
   if (size_ == 0) {
     ThrowInputError("{}: is empty", path.string());

@@ -20,7 +20,7 @@ const Simulator& Hall() {
 
 /// Camera pose at the n-th tenth of a second of the flight, beyond take-off.
 Rigid3 CameraPose(std::size_t n) {
-  return Hall().path().Pose(5.0 + 0.1 * static_cast<double>(n % 500)) * Hall().T_B_C();
+  return Hall().path().Pose(5.0 + 0.1 * static_cast<double>(n % 500)) * sim::SimulatedExtrinsic();
 }
 
 void BuildWorld(benchmark::State& state) {
@@ -49,13 +49,14 @@ BENCHMARK(RenderRange)->Unit(benchmark::kMillisecond);
 void TrackFrame(benchmark::State& state) {
   const Simulator& hall = Hall();
   ImageSensor sensor(hall.options().sensor, *hall.camera(), 1);
-  VioFrontEnd front_end(hall.world(), hall.camera(), hall.T_B_C(), hall.options().vio, 1);
+  VioFrontEnd front_end(
+      hall.world(), hall.camera(), sim::SimulatedExtrinsic(), hall.options().vio, 1);
   std::size_t n = 0;
   for (auto _ : state) {
     state.PauseTiming();
     VioFrame frame;
     frame.stamp_ns = static_cast<std::int64_t>(++n) * 100000000;
-    frame.T_W_B = CameraPose(n) * hall.T_B_C().Inverse();
+    frame.T_W_B = CameraPose(n) * sim::SimulatedExtrinsic().Inverse();
     frame.T_V_B = frame.T_W_B;
     frame.image = sensor.Expose(hall.renderer().RenderRadiance(CameraPose(n)));
     state.ResumeTiming();

@@ -18,8 +18,8 @@ class Hasher64 {
  public:
   Hasher64();
   ~Hasher64();
-  Hasher64(Hasher64&&) noexcept;
-  Hasher64& operator=(Hasher64&&) noexcept;
+  Hasher64(Hasher64&& other) noexcept;
+  Hasher64& operator=(Hasher64&& other) noexcept;
 
   void Add(const void* data, std::size_t size);
   /// Of all that was added so far.

@@ -120,7 +120,7 @@ class LoopFusion {
   void Work();
   void Process(const AssembledKeyframe& keyframe);
   void Process(const RelativePoseUpdate& update);
-  void Process(const VirtualViewSource& view);
+  void Process(const VirtualViewSource& source);
   void CountViews();
   void CountKeyframe(const KeyframeReport& report);
   void SetDrift(const Rigid3& T_M_W);

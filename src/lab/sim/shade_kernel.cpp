@@ -68,8 +68,8 @@ inline void SampleLevels(const ShadedSurface& s,
 /// Texture::Sample for all lanes.
 inline void SampleTexture(
     const ShadedSurface& s, const Lanes& u, const Lanes& v, const Lanes& texels, Lanes* value) {
-  std::array<std::int32_t, kSize> fine;
-  std::array<std::int32_t, kSize> coarse;
+  std::array<std::int32_t, kSize> fine{};
+  std::array<std::int32_t, kSize> coarse{};
   Lanes weight;
   const std::int32_t last = s.last_level;
   for (int i = 0; i < kSize; ++i) {
@@ -90,8 +90,8 @@ inline void SampleTexture(
 
 /// SampleLight for all lanes.
 inline void SampleLightMap(const ShadedSurface& s, const Lanes& u, const Lanes& v, Lanes* value) {
-  const float last_x = static_cast<float>(s.light_width - 1);
-  const float last_y = static_cast<float>(s.light_height - 1);
+  const auto last_x = static_cast<float>(s.light_width - 1);
+  const auto last_y = static_cast<float>(s.light_height - 1);
   const float* const light = s.light;
   const std::int32_t width = s.light_width;
   const std::int32_t height = s.light_height;
@@ -102,8 +102,8 @@ inline void SampleLightMap(const ShadedSurface& s, const Lanes& u, const Lanes& 
     y = y > 0.0F ? y : 0.0F;
     x = x < last_x ? x : last_x;
     y = y < last_y ? y : last_y;
-    std::int32_t column = static_cast<std::int32_t>(x);
-    std::int32_t row = static_cast<std::int32_t>(y);
+    auto column = static_cast<std::int32_t>(x);
+    auto row = static_cast<std::int32_t>(y);
     column = column < width - 2 ? column : width - 2;
     row = row < height - 2 ? row : height - 2;
     const float fx = x - static_cast<float>(column);
@@ -126,7 +126,13 @@ inline void ShadeSurface(const ShadedSurface& s,
     }
     return;
   }
-  Lanes u, v, texture_u, texture_v, texels, reflectance, light;
+  Lanes u;
+  Lanes v;
+  Lanes texture_u;
+  Lanes texture_v;
+  Lanes texels;
+  Lanes reflectance;
+  Lanes light;
   for (int i = 0; i < kSize; ++i) {
     const bool is_hit = p.surface[i] == index;
     u[i] = is_hit ? p.u[i] : 0.0F;

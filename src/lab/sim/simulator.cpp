@@ -148,7 +148,7 @@ RecordedFlight Record(const Simulator& simulator) {
   simulator.Run(&recorder);
   RecordedFlight flight = std::move(recorder.flight);
   flight.camera = simulator.camera();
-  flight.T_B_C = simulator.T_B_C();
+  flight.T_B_C = SimulatedExtrinsic();
   const std::int64_t start = simulator.options().start_stamp_ns;
   flight.ground_truth = simulator.path().GroundTruth(start);
   for (const KeyframeInput& keyframe : flight.keyframes) {

@@ -24,7 +24,7 @@ class Replay {
         callbacks_(callbacks),
         assembler_(
             options,
-            [this](AssembledKeyframe keyframe) { HandOver(keyframe); },
+            [this](const AssembledKeyframe& keyframe) { HandOver(keyframe); },
             [this](DropReason reason, std::int64_t stamp_ns) { TellDrop(reason, stamp_ns); }) {
     if (front_end) {
       front_end_.emplace(

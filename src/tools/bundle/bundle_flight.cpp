@@ -57,16 +57,16 @@ class FlightReader {
         interrupt_(interrupt),
         extractor_(options.features),
         vins_(ReadVinsConfig(request.input.camera)) {
-    input_.problem.cameras.push_back({vins_.camera, vins_.T_B_C, 0.0});
+    input.problem.cameras.push_back({vins_.camera, vins_.T_B_C, 0.0});
   }
 
   void Read() {
     ReplayCallbacks callbacks;
     callbacks.on_extrinsic = [this](const Rigid3& T_B_C) {
-      input_.problem.cameras.front().T_B_C = T_B_C;
+      input.problem.cameras.front().T_B_C = T_B_C;
     };
     callbacks.on_keyframe = [this](const KeyframeInput& keyframe) { Add(keyframe); };
-    callbacks.on_problem = [this](const std::string& what) { input_.warnings.push_back(what); };
+    callbacks.on_problem = [this](const std::string& what) { input.warnings.push_back(what); };
     Progress progress("describing", "messages", 0);
     const auto show = [&](std::int64_t done, std::int64_t total) {
       interrupt_.Check();
@@ -84,13 +84,13 @@ class FlightReader {
               request_.host.FrontEnd(vins_, {}));
   }
 
-  BundleInput input_;
-  std::vector<Rigid3> T_W_B_vio_;
-  std::vector<int> sequences_;
+  BundleInput input;
+  std::vector<Rigid3> T_W_B_vio;
+  std::vector<int> sequences;
 
  private:
   void Add(const KeyframeInput& keyframe) {
-    if (keyframe.starts_sequence && !sequences_.empty()) {
+    if (keyframe.starts_sequence && !sequences.empty()) {
       ++sequence_;
     }
     std::vector<BundleTrackedPixel> tracked;
@@ -107,12 +107,12 @@ class FlightReader {
     image.stamp_ns = keyframe.stamp_ns;
     image.T_W_B = keyframe.T_W_B;
     DescribeImage(keyframe.image, tracked, extractor_, &image);
-    input_.problem.images.push_back(std::move(image));
-    T_W_B_vio_.push_back(keyframe.T_W_B);
-    sequences_.push_back(sequence_);
-    input_.names.push_back(std::to_string(keyframe.stamp_ns) + ".png");
+    input.problem.images.push_back(std::move(image));
+    T_W_B_vio.push_back(keyframe.T_W_B);
+    sequences.push_back(sequence_);
+    input.names.push_back(std::to_string(keyframe.stamp_ns) + ".png");
     if (request_.write_images) {
-      WritePng(request_.out / "colmap" / "images" / input_.names.back(), keyframe.image);
+      WritePng(request_.out / "colmap" / "images" / input.names.back(), keyframe.image);
     }
   }
 
@@ -152,13 +152,13 @@ BundleInput ReadFlight(const BundleRequest& request,
       request.use_loops ? std::make_optional(CloseLoops(request)) : std::nullopt;
   FlightReader reader(request, options, interrupt);
   reader.Read();
-  BundleProblem& problem = reader.input_.problem;
+  BundleProblem& problem = reader.input.problem;
   if (closed) {
-    ApplyLoops(*closed, &problem, &reader.sequences_);
+    ApplyLoops(*closed, &problem, &reader.sequences);
   }
-  SetVelocities(reader.sequences_, &problem);
-  AddOdometryPriors(options.priors, reader.T_W_B_vio_, reader.sequences_, &problem);
-  return std::move(reader.input_);
+  SetVelocities(reader.sequences, &problem);
+  AddOdometryPriors(options.priors, reader.T_W_B_vio, reader.sequences, &problem);
+  return std::move(reader.input);
 }
 
 }  // namespace deja_view

@@ -16,7 +16,7 @@ ExactViews::ExactViews(const sim::Simulator& simulator, const SimulateRequest& r
 
 Rigid3 ExactViews::CameraPose(std::int64_t stamp_ns) const {
   const double t = 1e-9 * static_cast<double>(stamp_ns - simulator_.options().start_stamp_ns);
-  return simulator_.path().Pose(t) * simulator_.T_B_C();
+  return simulator_.path().Pose(t) * sim::SimulatedExtrinsic();
 }
 
 VirtualView ExactViews::RenderAt(std::int64_t stamp_ns, const Rigid3& T_C_V) const {

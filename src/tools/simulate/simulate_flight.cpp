@@ -73,7 +73,7 @@ class RecordedFiles : public sim::FlightSink {
 #ifdef DEJA_VIEW_WITH_ROS
     if (request.bag) {
       bag_ = std::make_unique<FlightBag>(
-          request.out / "flight.bag", simulator.camera(), simulator.T_B_C());
+          request.out / "flight.bag", simulator.camera(), sim::SimulatedExtrinsic());
       if (!request.virtual_views.empty()) {
         views_.emplace(simulator, request);
       }
@@ -91,7 +91,7 @@ class RecordedFiles : public sim::FlightSink {
     }
     if (ranges_) {
       const double t = 1e-9 * static_cast<double>(stamp_ns - simulator_.options().start_stamp_ns);
-      const Rigid3 T_W_C = simulator_.path().Pose(t) * simulator_.T_B_C();
+      const Rigid3 T_W_C = simulator_.path().Pose(t) * sim::SimulatedExtrinsic();
       ranges_->WriteImage(fmt::format("{}.png", stamp_ns),
                           ToMillimetres(simulator_.renderer().RenderRange(T_W_C)));
     }
@@ -197,7 +197,7 @@ nlohmann::ordered_json RunSimulate(const SimulateRequest& unfinished_request) {
   WriteTum(request.out / "groundtruth.txt", simulator.path().GroundTruth(options.start_stamp_ns));
   WriteTum(request.out / "vio.txt", files.vio);
   WriteFileAtomically(request.out / "camera.yaml", [&](std::ostream& out) {
-    out << sim::CameraYaml(simulator.camera()->parameters(), simulator.T_B_C());
+    out << sim::CameraYaml(simulator.camera()->parameters(), sim::SimulatedExtrinsic());
   });
   WriteFileAtomically(request.out / "simulation.yaml",
                       [&](std::ostream& out) { out << OptionsToYaml(options); });

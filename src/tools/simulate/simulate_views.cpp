@@ -50,7 +50,7 @@ Json WriteViews(const SimulateRequest& request,
                 const std::function<std::vector<VirtualView>(std::size_t)>& render) {
   const Interrupt interrupt;
   const auto begin = std::chrono::steady_clock::now();
-  FlightBag bag(request.out / "views.bag", simulator.camera(), simulator.T_B_C());
+  FlightBag bag(request.out / "views.bag", simulator.camera(), sim::SimulatedExtrinsic());
   std::optional<Progress> progress;
   if (request.show_progress) {
     progress.emplace("views", "steps", count);

@@ -15,7 +15,7 @@ constexpr BinaryFormat kFormat = {{'T', 'E', 'S', 'T', 0, 0, 0, 0}, 1, "a test"}
 
 class InputFileTest : public TemporaryDirectoryTest {
  protected:
-  void ExpectRefused(const std::filesystem::path& path, const std::string& why) const {
+  static void ExpectRefused(const std::filesystem::path& path, const std::string& why) {
     const std::string expected = path.string() + ": " + why;
     EXPECT_EQ(MessageOf<InputError>([&] { OpenInputFile(path); }), expected);
     EXPECT_EQ(MessageOf<InputError>([&] { Hash64OfFile(path); }), expected);

@@ -50,7 +50,7 @@ class OdometryFrontEndTest : public ::testing::Test {
 
   void AddImage(OdometryFrontEnd* front_end, int i) const {
     front_end->AddImage(
-        Stamp(i), [this, i] { return Picture(i); }, kWidth * kHeight);
+        Stamp(i), [this, i] { return Picture(i); }, static_cast<std::size_t>(kWidth) * kHeight);
   }
 
   static void AddPose(OdometryFrontEnd* front_end, int i) { front_end->AddPose(Stamp(i), Pose(i)); }

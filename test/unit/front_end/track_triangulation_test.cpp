@@ -10,6 +10,7 @@ constexpr double kFocalPx = 400;
 std::vector<TrackRay> RaysTo(const Eigen::Vector3d& p_W,
                              const std::vector<Eigen::Vector3d>& centres) {
   std::vector<TrackRay> rays;
+  rays.reserve(centres.size());
   for (const Eigen::Vector3d& centre : centres) {
     rays.push_back({centre, (p_W - centre).normalized()});
   }

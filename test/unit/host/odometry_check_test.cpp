@@ -32,6 +32,7 @@ TEST(MeasureMotion, CountsMetresAndSpeeds) {
 
 TEST(UpFromLevelRows, FindsUpOfACameraThatTurns) {
   std::vector<Rigid3> poses;
+  poses.reserve(40);
   for (int i = 0; i < 40; ++i) {
     poses.push_back(LevelCamera(0.05 * i, i % 2 == 0 ? 0.1 : -0.1));
   }
@@ -50,6 +51,7 @@ TEST(UpFromLevelRows, SaysNothingWhereNothingTurned) {
   EXPECT_FALSE(UpFromLevelRows({}));
   EXPECT_FALSE(UpFromLevelRows(std::vector<Rigid3>(20, LevelCamera(0.3))));
   std::vector<Rigid3> tumbling;
+  tumbling.reserve(200);
   for (int i = 0; i < 200; ++i) {
     tumbling.push_back(LevelCamera(0.7 * i, 1.1 * i));
   }

@@ -53,7 +53,6 @@ class Simulator {
   const Renderer& renderer() const { return *renderer_; }
   const FlightPath& path() const { return *path_; }
   const VioDrift& drift() const { return *drift_; }
-  Rigid3 T_B_C() const { return SimulatedExtrinsic(); }
 
   std::size_t image_count() const;
   std::int64_t ImageStamp(std::size_t index) const;

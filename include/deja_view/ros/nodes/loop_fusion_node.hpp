@@ -72,7 +72,7 @@ class LoopFusionNode {
   std::vector<NeededTopic> NeededTopics() const;
   void WatchTopics(const ros::WallTimerEvent& event);
   void Diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
-  void OnProblem(const std::string& what);
+  static void OnProblem(const std::string& what);
   bool HasFailed() const { return errors_.has_failed() || fusion_->errors().has_failed(); }
   bool Finish();
 

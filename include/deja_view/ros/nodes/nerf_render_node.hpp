@@ -61,8 +61,8 @@ class NerfRenderNode {
   bool LoadModel(NamedMap::Request& request, NamedMap::Response& response);
   void Load(const std::string& name);
   void Work();
-  void Render(const PosedSource& source);
-  void OnProblem(const std::string& what);
+  void Render(const PosedSource& posed);
+  static void OnProblem(const std::string& what);
 
   ros::NodeHandle handle_;
   ros::NodeHandle private_handle_{"~"};

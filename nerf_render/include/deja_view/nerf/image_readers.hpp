@@ -52,9 +52,10 @@ std::vector<PosedImage> ReadTransforms(const std::filesystem::path& file,
 /// (4 x 4, camera to world) and, where it is there, .depth.png [mm]. Stamps are those of 30 frames
 /// per second. The original data sets' intrinsics and poses are the depth sensor's: `color_camera`,
 /// if given, took the images, from the same place.
-std::vector<PosedImage> ReadSevenScenes(const std::filesystem::path& directory,
-                                        bool skip_missing = false,
-                                        std::shared_ptr<const Camera> color_camera = nullptr);
+std::vector<PosedImage> ReadSevenScenes(
+    const std::filesystem::path& directory,
+    bool skip_missing = false,
+    const std::shared_ptr<const Camera>& color_camera = nullptr);
 
 /// The depth maps of a folder, for images that `camera` took: 16-bit files named by the images'
 /// stamps (ListStampedImages), of this camera, or a folder of 7-Scenes with its depth camera.

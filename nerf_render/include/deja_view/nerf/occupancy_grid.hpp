@@ -25,9 +25,9 @@ class OccupancyGrid {
 
   /// Index of a cell: 64 block + place in the block.
   std::size_t Index(int x, int y, int z) const {
-    const auto block = static_cast<std::size_t>((z >> 2) * blocks_[1] * blocks_[0] +
-                                                (y >> 2) * blocks_[0] + (x >> 2));
-    return block * 64 + static_cast<std::size_t>((z & 3) * 16 + (y & 3) * 4 + (x & 3));
+    const int block = (z >> 2) * blocks_[1] * blocks_[0] + (y >> 2) * blocks_[0] + (x >> 2);
+    const int place = (z & 3) * 16 + (y & 3) * 4 + (x & 3);
+    return 64 * static_cast<std::size_t>(block) + static_cast<std::size_t>(place);
   }
   /// Coordinates of a cell's lowest corner, in cells.
   std::array<int, 3> Cell(std::size_t index) const;
