@@ -96,10 +96,7 @@ enum class PatchOrientation {
 };
 
 template <>
-struct EnumNames<PatchOrientation> {
-  static constexpr std::array<std::pair<PatchOrientation, const char*>, 2> kNames = {
-      {{PatchOrientation::kGravity, "gravity"}, {PatchOrientation::kImage, "image"}}};
-};
+inline constexpr auto kEnumNames<PatchOrientation> = EnumNames("gravity", "image");
 
 /// Options of MakeFeatureExtractor; only the group of the chosen kind matters.
 struct FeatureOptions {
