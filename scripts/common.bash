@@ -41,7 +41,7 @@ configure() {
   [ -f "$directory/CMakeCache.txt" ] || arguments+=(-DCMAKE_UNITY_BUILD=ON)
   arguments+=("$@")
   if command -v ccache > /dev/null; then
-    arguments+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+    arguments+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DCMAKE_CUDA_COMPILER_LAUNCHER=ccache)
   fi
   mkdir -p "$directory"
   if ! cmake "${arguments[@]}" > "$directory/configure.log" 2>&1; then

@@ -7,11 +7,11 @@
 
 namespace deja_view::nerf {
 
-FieldModel::FieldModel(const std::filesystem::path& path)
+FieldModel::FieldModel(const std::filesystem::path& path, const DeviceChoice& device)
     : path_(path),
       hash_(Hash64OfFile(path)),
-      renderer_(std::make_shared<FieldRenderer>(std::make_shared<RadianceField>(ReadField(path)))) {
-}
+      renderer_(std::make_shared<FieldRenderer>(std::make_shared<RadianceField>(ReadField(path)),
+                                                device)) {}
 
 Similarity3 FieldModel::FindFrame(const std::optional<Similarity3>& told) const {
   return told ? *told : RequireFrame(renderer_->field().frame, path_);

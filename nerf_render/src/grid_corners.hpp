@@ -1,5 +1,6 @@
 #pragma once
 
+#include "deja_view/base/host_device.hpp"
 #include "deja_view/nerf/kernel_table.hpp"
 
 #include <array>
@@ -15,7 +16,10 @@ struct Corners {
   std::array<float, 3> fraction;  ///< of the way through the cell
 };
 
-inline Corners FindCorners(const GridLevel& level, float x, float y, float z) {
+DEJA_VIEW_HOST_DEVICE inline Corners FindCorners(const GridLevel& level,
+                                                 float x,
+                                                 float y,
+                                                 float z) {
   const std::array<float, 3> p = {x * level.scale, y * level.scale, z * level.scale};
   std::array<std::uint32_t, 3> cell;
   Corners corners;

@@ -1,9 +1,9 @@
 #include "deja_view/nerf/kernels.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "grid_corners.hpp"
+#include "scalar_steps.hpp"
 
 namespace deja_view::nerf {
 namespace {
@@ -102,25 +102,21 @@ void Adam(const AdamStep& step,
           float* first,
           float* second) {
   for (std::size_t i = 0; i < count; ++i) {
-    const float g = gradient[i];
-    first[i] += (1 - step.beta1) * (g - first[i]);
-    second[i] += (1 - step.beta2) * (g * g - second[i]);
-    parameters[i] -= step.learning_rate * first[i] / (std::sqrt(second[i]) + step.epsilon);
-    gradient[i] = 0;
+    internal::StepAdam(step, parameters + i, gradient + i, first + i, second + i);
   }
 }
 
 void Density(
     const float* raw, const float* dt, std::size_t count, float* sigma, float* transparency) {
   for (std::size_t i = 0; i < count; ++i) {
-    sigma[i] = std::exp(std::clamp(raw[i], -15.0F, 15.0F));
-    transparency[i] = std::exp(-std::min(80.0F, sigma[i] * dt[i]));
+    sigma[i] = internal::DensityOf(raw[i]);
+    transparency[i] = internal::TransparencyOf(sigma[i], dt[i]);
   }
 }
 
 void Sigmoid(const float* x, std::size_t count, float* y) {
   for (std::size_t i = 0; i < count; ++i) {
-    y[i] = 1 / (1 + std::exp(-std::clamp(x[i], -30.0F, 30.0F)));
+    y[i] = internal::SigmoidOf(x[i]);
   }
 }
 

@@ -63,14 +63,6 @@ OccupancyGrid::OccupancyGrid(int resolution, const Eigen::Vector3f& extent)
   leaps_.assign(words_.size(), 0);
 }
 
-std::array<int, 3> OccupancyGrid::Cell(std::size_t index) const {
-  const auto block = static_cast<int>(index / 64);
-  const auto place = static_cast<int>(index % 64);
-  return {4 * (block % blocks_[0]) + place % 4,
-          4 * (block / blocks_[0] % blocks_[1]) + place / 4 % 4,
-          4 * (block / (blocks_[0] * blocks_[1])) + place / 16};
-}
-
 void OccupancyGrid::SetWords(std::vector<std::uint64_t> words) {
   DEJA_VIEW_CHECK(words.size() == words_.size());
   words_ = std::move(words);

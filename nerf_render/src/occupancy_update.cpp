@@ -5,12 +5,13 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
+
+#include "occupancy_rule.hpp"
 
 namespace deja_view::nerf::internal {
 namespace {
 
-constexpr float kDecay = 0.9F;
-constexpr double kShareOfMean = 0.5;
 constexpr double kCarvedShare = 0.96;  ///< of the way to a depth point is surely empty
 
 bool Sees(const TrainingView& view, const Eigen::Vector3d& p_N, double radius) {
@@ -99,6 +100,9 @@ OccupancyUpdate::OccupancyUpdate(const std::vector<TrainingView>& views,
   field->occupancy.SetWords(open_);
 }
 
+OccupancyUpdate::OccupancyUpdate(std::vector<std::uint64_t> open)
+    : density_(64 * open.size(), 0.0F), open_(std::move(open)) {}
+
 void OccupancyUpdate::FindSeen(const std::vector<TrainingView>& views,
                                int threads,
                                const RadianceField& field) {
@@ -182,9 +186,9 @@ float OccupancyUpdate::Threshold(const TrainOptions& options) const {
       sum += static_cast<double>(density_[i]);
     }
   }
-  return std::min(
-      options.occupancy_threshold / options.march.min_step,
-      static_cast<float>(kShareOfMean * sum / static_cast<double>(std::max<std::size_t>(1, open))));
+  return std::min(options.occupancy_threshold / options.march.min_step,
+                  static_cast<float>(kOccupancyShareOfMean * sum /
+                                     static_cast<double>(std::max<std::size_t>(1, open))));
 }
 
 void OccupancyUpdate::Run(const Kernels& kernels,
@@ -211,7 +215,7 @@ void OccupancyUpdate::Run(const Kernels& kernels,
           const std::vector<float>& sigma = samples.Densities(*field, kernels);
           for (std::size_t i = 0; i < sigma.size(); ++i) {
             const std::size_t cell = samples.cells()[i];
-            density_[cell] = std::max(kDecay * density_[cell], sigma[i]);
+            density_[cell] = std::max(kOccupancyDecay * density_[cell], sigma[i]);
             grid.Set(cell, density_[cell] > threshold);
           }
         }

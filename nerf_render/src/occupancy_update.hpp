@@ -19,6 +19,9 @@ class OccupancyUpdate {
                   int carve_votes,
                   RadianceField* field);
 
+  /// `open`: the cells that may hold matter, a word per block as in OccupancyGrid.
+  explicit OccupancyUpdate(std::vector<std::uint64_t> open);
+
   /// `round` numbers the random draws. Looks at all cells that are occupied and at one in sixteen
   /// of the others, or at all if `full`.
   void Run(const Kernels& kernels,
@@ -26,6 +29,9 @@ class OccupancyUpdate {
            std::uint64_t round,
            bool full,
            RadianceField* field);
+
+  /// Cells that may hold matter, as OccupancyGrid::words().
+  const std::vector<std::uint64_t>& open() const { return open_; }
 
  private:
   /// Density above which a cell counts as occupied.

@@ -75,9 +75,10 @@ void RayBatch::Draw(const RadianceField& field,
   Random random(options_.seed, step * 65536 + chunk);
   rays->clear();
   targets->clear();
-  const auto depth_rays = points_.empty() || options_.depth_weight == 0
-                              ? std::size_t{0}
-                              : static_cast<std::size_t>(depth_share * static_cast<float>(kChunk));
+  const auto depth_rays =
+      points_.empty() || options_.depth_weight == 0
+          ? std::size_t{0}
+          : static_cast<std::size_t>(depth_share * static_cast<float>(kRaysPerChunk));
   for (std::size_t i = 0; i < depth_rays; ++i) {
     const PointRef ref = points_[random.Index(static_cast<std::uint32_t>(points_.size()))];
     const TrainingView& view = views_[ref.view];
@@ -87,7 +88,7 @@ void RayBatch::Draw(const RadianceField& field,
     AddRay(field, images, ref.view, x, y, random.UniformFloat(), rays, targets);
     targets->back().range = point.range / static_cast<float>(field.box.Size());
   }
-  while (rays->size() < kChunk) {
+  while (rays->size() < kRaysPerChunk) {
     const std::uint32_t v = random.Index(static_cast<std::uint32_t>(views_.size()));
     const TrainingView& view = views_[v];
     const int patch = std::min({options_.patch_px, view.image.cols, view.image.rows});
@@ -95,7 +96,7 @@ void RayBatch::Draw(const RadianceField& field,
         static_cast<int>(random.Index(static_cast<std::uint32_t>(view.image.cols - patch + 1)));
     const auto y0 =
         static_cast<int>(random.Index(static_cast<std::uint32_t>(view.image.rows - patch + 1)));
-    for (int i = 0; i < patch * patch && rays->size() < kChunk; ++i) {
+    for (int i = 0; i < patch * patch && rays->size() < kRaysPerChunk; ++i) {
       AddRay(
           field, images, v, x0 + i % patch, y0 + i / patch, random.UniformFloat(), rays, targets);
     }

@@ -7,14 +7,13 @@
 
 #include "image_parameters.hpp"
 #include "ray_loss.hpp"
+#include "step_plan.hpp"
 
 namespace deja_view::nerf::internal {
 
 /// Draws training rays: squares of pixels of random images, and rays through depth points.
 class RayBatch {
  public:
-  static constexpr std::size_t kChunk = 256;  ///< rays that are worked on together
-
   RayBatch(const TrainOptions& options, const std::vector<TrainingView>& views);
 
   /// Chunk `chunk` of step `step`, `depth_share` of it through depth points where there are any;

@@ -1,97 +1,29 @@
 #include "ray_tracer.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 namespace deja_view::nerf::internal {
-namespace {
-
-constexpr std::size_t kSamplesPerRound = 4;
-constexpr float kNudge = 1e-6F;       ///< beyond a face, in unit lengths
-constexpr double kLeastSlope = 1e-6;  ///< below, rounding moves a crossing more than the ray does
-
-// Length to where the ray leaves the cube [low, low + size] of cells.
-float ExitOf(const Ray& ray, const std::array<int, 3>& low, int size, float cell) {
-  float exit = std::numeric_limits<float>::max();
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (ray.inverse[axis] != 0) {
-      const int face = low[axis] + (ray.inverse[axis] > 0 ? size : 0);
-      exit =
-          std::min(exit, (static_cast<float>(face) * cell - ray.origin[axis]) * ray.inverse[axis]);
-    }
-  }
-  return exit;
-}
-
-// Length to where the ray leaves the empty cells about the empty cell `at`.
-float LeapOver(const OccupancyGrid& grid,
-               std::size_t index,
-               const std::array<int, 3>& at,
-               const Ray& ray,
-               float cell) {
-  const std::uint64_t word = grid.words()[index / 64];
-  std::array<int, 3> low = at;
-  int size = 1;
-  if (word == 0) {
-    const int leap = std::max(1, grid.leap(index / 64));
-    for (int& x : low) {
-      x = 4 * (x / 4 - (leap - 1));
-    }
-    size = 4 * (2 * leap - 1);
-  } else {
-    constexpr std::uint64_t kOctant = 0x330033;  // 2x2x2 cells of a block
-    constexpr std::size_t kLowestOfOctant = 2 + 8 + 32;
-    if ((word >> (index & kLowestOfOctant) & kOctant) == 0) {
-      for (int& x : low) {
-        x &= ~1;
-      }
-      size = 2;
-    }
-  }
-  return ExitOf(ray, low, size, cell);
-}
-
-}  // namespace
-
 std::size_t LatentColumn(const RadianceField& field) {
   const int degree = field.options.direction_degree;
   return static_cast<std::size_t>(field.appearance.outputs() + (degree + 1) * (degree + 1) - 1);
+}
+
+BoxView ViewOf(const SceneBox& box) {
+  BoxView view;
+  view.size = box.Size();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<Eigen::Index>(axis);
+    view.min[axis] = box.min[i];
+    view.extent[axis] = (box.max[i] - box.min[i]) / view.size;
+  }
+  return view;
 }
 
 Ray MakeRay(const RadianceField& field,
             const Eigen::Vector3d& origin_N,
             const Eigen::Vector3d& direction_N,
             float jitter) {
-  const Eigen::Vector3d origin = (origin_N - field.box.min) / field.box.Size();
-  const Eigen::Vector3d extent = (field.box.max - field.box.min) / field.box.Size();
-  Ray ray;
-  ray.jitter = jitter;
-  double begin = 0;
-  double end = std::numeric_limits<double>::max();
-  for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    const double d = direction_N[axis];
-    ray.direction[static_cast<std::size_t>(axis)] = static_cast<float>(d);
-    ray.inverse[static_cast<std::size_t>(axis)] =
-        std::abs(d) > kLeastSlope ? static_cast<float>(1 / d) : 0.0F;
-    if (std::abs(d) < 1e-12) {
-      if (origin[axis] < 0 || origin[axis] > extent[axis]) {
-        end = -1;
-      }
-      continue;
-    }
-    const double a = -origin[axis] / d;
-    const double b = (extent[axis] - origin[axis]) / d;
-    begin = std::max(begin, std::min(a, b));
-    end = std::min(end, std::max(a, b));
-  }
-  for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    ray.origin[static_cast<std::size_t>(axis)] =
-        static_cast<float>(origin[axis] + begin * direction_N[axis]);
-  }
-  ray.before = static_cast<float>(begin);
-  ray.end = end > begin ? static_cast<float>(end - begin) : 0.0F;
-  return ray;
+  return RayInBox(ViewOf(field.box), origin_N.data(), direction_N.data(), jitter);
 }
 
 void RayTracer::Round::Reserve(std::size_t most) {
@@ -109,36 +41,20 @@ void RayTracer::March(const Ray& ray,
                       std::uint32_t number,
                       const TraceOptions& options,
                       State* state) {
-  const OccupancyGrid& grid = field_.occupancy;
-  const float scale = grid.scale();
-  const float cell = 1 / scale;
+  const OccupancyView grid = field_.occupancy.view();
   const Eigen::Vector3f extent = field_.Extent();
   std::size_t found = 0;
   float t = state->t;
-  while (found < kSamplesPerRound && t < ray.end) {
-    std::array<int, 3> at{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const float p = ray.origin[axis] + (t + kNudge) * ray.direction[axis];
-      at[axis] = std::clamp(static_cast<int>(p * scale), 0, grid.cells()[axis] - 1);
-    }
-    const std::size_t index = grid.Index(at[0], at[1], at[2]);
-    if (!grid.IsOccupied(index)) {
-      t = std::max(t + kNudge, LeapOver(grid, index, at, ray, cell));
-      continue;
-    }
-    const float step = options.step_factor * std::clamp((ray.before + t) * options.march.cone_angle,
-                                                        options.march.min_step,
-                                                        options.march.max_step);
-    const float dt = std::min(step, ray.end - t);
-    const float middle = t + ray.jitter * dt;
+  MarchSample sample;
+  while (found < kSamplesPerRound && NextSample(grid, ray, options, &t, &sample)) {
     const std::size_t s = round_.count++;
     round_.ray[s] = number;
-    round_.t[s] = ray.before + middle;
-    round_.dt[s] = dt;
-    round_.x[s] = std::clamp(ray.origin[0] + middle * ray.direction[0], 0.0F, extent.x());
-    round_.y[s] = std::clamp(ray.origin[1] + middle * ray.direction[1], 0.0F, extent.y());
-    round_.z[s] = std::clamp(ray.origin[2] + middle * ray.direction[2], 0.0F, extent.z());
-    t += step;
+    round_.t[s] = ray.before + sample.middle;
+    round_.dt[s] = sample.dt;
+    const std::array<float, 3> p = PlaceOf(ray, sample.middle, extent.data());
+    round_.x[s] = p[0];
+    round_.y[s] = p[1];
+    round_.z[s] = p[2];
     ++found;
   }
   state->t = t;

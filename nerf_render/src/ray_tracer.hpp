@@ -9,23 +9,14 @@
 #include <cstdint>
 #include <vector>
 
-namespace deja_view::nerf::internal {
+#include "ray_march.hpp"
 
-/// A ray in unit coordinates, from where it enters the box, or begins within: so its lengths are at
-/// most the box's diagonal, which keeps them exact however far the camera is. `direction` is a unit
-/// vector.
-struct Ray {
-  std::array<float, 3> origin{};
-  std::array<float, 3> direction{};
-  std::array<float, 3> inverse{};  ///< of the direction; 0: along this axis' faces
-  float before = 0;                ///< length from the camera to the origin
-  float end = 0;                   ///< length to where it leaves the box; <= 0: it misses
-  float jitter = 0.5F;             ///< place of the samples within their steps, in [0, 1)
-  const float* latent = nullptr;   ///< of its image; null: zeros
-};
+namespace deja_view::nerf::internal {
 
 /// Column of the colour network's input where the latent numbers begin.
 std::size_t LatentColumn(const RadianceField& field);
+
+BoxView ViewOf(const SceneBox& box);
 
 /// The ray of `origin_N` [m] and unit vector `direction_N` through the box of `field`.
 Ray MakeRay(const RadianceField& field,
@@ -59,12 +50,6 @@ struct Trace {
   Positions background_positions() const {
     return {background_x.data(), background_y.data(), background_z.data()};
   }
-};
-
-/// How a field is sampled in one pass.
-struct TraceOptions {
-  MarchOptions march;
-  float step_factor = 1;  ///< of all steps; coarse ones warm a field up
 };
 
 /// Marches rays through the occupied cells, in rounds so that none goes far behind the surface that

@@ -2,10 +2,10 @@
 
 #include "deja_view/base/angles.hpp"
 #include "deja_view/base/check.hpp"
+#include "deja_view/camera/newton.hpp"
 
 #include <cmath>
 
-#include "newton.hpp"
 #include "scaling.hpp"
 
 namespace deja_view {

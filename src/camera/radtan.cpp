@@ -1,9 +1,10 @@
 #include "radtan.hpp"
 
+#include "deja_view/camera/newton.hpp"
+
 #include <cmath>
 #include <limits>
 
-#include "newton.hpp"
 #include <Eigen/LU>
 
 namespace deja_view::internal {

@@ -36,6 +36,7 @@ class KannalaBrandtCamera final : public Camera {
   std::unique_ptr<Camera> Scaled(double scale) const override;
 
   const KannalaBrandtParameters& parameters() const { return parameters_; }
+  double max_theta() const { return max_theta_; }  ///< largest angle seen [rad]
 
  private:
   double Radius(double theta, double* derivative) const;

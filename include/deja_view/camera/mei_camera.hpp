@@ -37,6 +37,8 @@ class MeiCamera final : public Camera {
   std::unique_ptr<Camera> Scaled(double scale) const override;
 
   const MeiParameters& parameters() const { return parameters_; }
+  /// Of the undistorted plane; beyond it nothing is seen.
+  double max_radius_squared() const { return max_radius_squared_; }
 
  private:
   MeiParameters parameters_;

@@ -36,6 +36,8 @@ class PinholeCamera final : public Camera {
   std::unique_ptr<Camera> Scaled(double scale) const override;
 
   const PinholeParameters& parameters() const { return parameters_; }
+  /// Of the undistorted plane; beyond it nothing is seen.
+  double max_radius_squared() const { return max_radius_squared_; }
 
  private:
   PinholeParameters parameters_;

@@ -14,8 +14,9 @@ namespace deja_view::nerf {
 /// A radiance field as the model of a scene.
 class FieldModel final : public SceneModel {
  public:
-  /// Reads what WriteField wrote. Throws InputError that names the file.
-  explicit FieldModel(const std::filesystem::path& path);
+  /// Reads what WriteField wrote, to render it on `device`. Throws InputError that names the file,
+  /// DeviceError for a card that fails.
+  explicit FieldModel(const std::filesystem::path& path, const DeviceChoice& device = {});
 
   Similarity3 FindFrame(const std::optional<Similarity3>& told) const override;
   /// The same for all sources.

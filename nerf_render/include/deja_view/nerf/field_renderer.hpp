@@ -1,5 +1,6 @@
 #pragma once
 
+#include "deja_view/nerf/device.hpp"
 #include "deja_view/nerf/kernels.hpp"
 #include "deja_view/nerf/radiance_field.hpp"
 #include "deja_view/views/view_renderer.hpp"
@@ -8,11 +9,20 @@
 
 namespace deja_view::nerf {
 
+namespace internal {
+class DeviceRenderer;
+}
+
 /// Renders a trained field. The same bits for any number of threads.
 class FieldRenderer final : public ViewRenderer {
  public:
   explicit FieldRenderer(std::shared_ptr<const RadianceField> field,
                          const Kernels& kernels = FindKernels("auto"));
+  /// On a card the views differ from the CPU's by rounding. Throws DeviceError, now or in Render.
+  FieldRenderer(std::shared_ptr<const RadianceField> field,
+                const DeviceChoice& device,
+                const Kernels& kernels = FindKernels("auto"));
+  ~FieldRenderer() override;
 
   RenderedView Render(const Camera& camera,
                       const Rigid3& T_N_C,
@@ -27,6 +37,7 @@ class FieldRenderer final : public ViewRenderer {
  private:
   std::shared_ptr<const RadianceField> field_;
   const Kernels* kernels_;
+  std::unique_ptr<const internal::DeviceRenderer> device_;  ///< null: the CPU
 };
 
 }  // namespace deja_view::nerf

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "deja_view/nerf/occupancy_view.hpp"
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -24,13 +26,9 @@ class OccupancyGrid {
   const std::vector<std::uint64_t>& words() const { return words_; }
 
   /// Index of a cell: 64 block + place in the block.
-  std::size_t Index(int x, int y, int z) const {
-    const int block = (z >> 2) * blocks_[1] * blocks_[0] + (y >> 2) * blocks_[0] + (x >> 2);
-    const int place = (z & 3) * 16 + (y & 3) * 4 + (x & 3);
-    return 64 * static_cast<std::size_t>(block) + static_cast<std::size_t>(place);
-  }
+  std::size_t Index(int x, int y, int z) const { return view().Index(x, y, z); }
   /// Coordinates of a cell's lowest corner, in cells.
-  std::array<int, 3> Cell(std::size_t index) const;
+  std::array<int, 3> Cell(std::size_t index) const { return view().Cell(index); }
 
   bool IsOccupied(std::size_t index) const {
     return (words_[index / 64] >> (index % 64) & 1U) != 0;
@@ -44,6 +42,9 @@ class OccupancyGrid {
   /// With a leap of n >= 1, all blocks within n - 1 blocks of this one on each axis are empty.
   int leap(std::size_t block) const { return leaps_[block]; }
   std::size_t CountOccupied() const;
+
+  /// Until the grid is changed.
+  OccupancyView view() const { return {cells_, blocks_, scale_, words_.data(), leaps_.data()}; }
 
  private:
   std::array<int, 3> cells_{};

@@ -87,6 +87,7 @@ struct TrainOptions {
   std::uint64_t seed = 1;
   int threads = 0;               ///< 0: all cores; the result does not depend on it
   std::string kernels = "auto";  ///< "auto", "portable" or a name of AvailableKernels()
+  bool deterministic = false;    ///< on a card the same bits every time, more slowly
   int patch_px = 4;              ///< rays come in squares of this side, 1 to 16
   int target_samples = 1 << 17;  ///< samples per step; the number of rays follows
   int max_rays = 1 << 14;        ///< per step
@@ -116,6 +117,7 @@ struct TrainOptions {
     v("seed", seed);
     v("threads", threads);
     v("kernels", kernels);
+    v("deterministic", deterministic);
     v("patch_px", patch_px);
     v("target_samples", target_samples);
     v("max_rays", max_rays);

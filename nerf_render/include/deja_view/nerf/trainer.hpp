@@ -1,5 +1,6 @@
 #pragma once
 
+#include "deja_view/nerf/device.hpp"
 #include "deja_view/nerf/radiance_field.hpp"
 #include "deja_view/nerf/scene_box.hpp"
 #include "deja_view/nerf/training_view.hpp"
@@ -19,16 +20,23 @@ struct StepReport {
 };
 
 /// Trains a field on posed images with Adam. The same images, options and calls give the same bits
-/// on any number of threads.
+/// on any number of threads of the CPU, and on one card where options.deterministic is set.
 class Trainer {
  public:
   /// Throws CheckError for invalid options, InputError for views that can't be trained on (none,
-  /// sizes that differ from their cameras', grey and colour mixed, poses that are not finite).
-  Trainer(const TrainOptions& options, std::vector<TrainingView> views, const SceneBox& box);
+  /// sizes that differ from their cameras', grey and colour mixed, poses that are not finite). With
+  /// a card, all but poses() may throw DeviceError.
+  Trainer(const TrainOptions& options,
+          std::vector<TrainingView> views,
+          const SceneBox& box,
+          const DeviceChoice& device = {});
   /// Goes on with a field that was trained before, on the same images (known by their names) or
   /// others of the same scene; options.field is not looked at. Adam's moments start anew. Throws
   /// also when the images' channels are not the field's.
-  Trainer(const TrainOptions& options, std::vector<TrainingView> views, RadianceField field);
+  Trainer(const TrainOptions& options,
+          std::vector<TrainingView> views,
+          RadianceField field,
+          const DeviceChoice& device = {});
   ~Trainer();
   Trainer(Trainer&&) noexcept;
   Trainer& operator=(Trainer&&) noexcept;
@@ -42,8 +50,11 @@ class Trainer {
   /// Says where the training poses' frame lies; training does not depend on it.
   void SetFrame(const FieldFrame& frame);
 
-  /// The field as it is now; it changes with the next Step.
+  /// The field as it is now; it changes with the next Step. From a card it is fetched by this call.
   const RadianceField& field() const;
+
+  /// The most that was held of a card's memory; 0 on the CPU.
+  std::size_t device_bytes() const;
 
   /// T_N_C of the views, as given or, with `refine_poses`, as corrected.
   std::vector<Rigid3> poses() const;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "deja_view/base/host_device.hpp"
+
 #include <cmath>
 
 namespace deja_view::internal {
@@ -8,7 +10,10 @@ namespace deja_view::internal {
 /// with a bisection step whenever it would leave the bracket. `f(x, &derivative)` returns the
 /// value. Returns `high` when the target lies beyond f(high).
 template <typename Function>
-double InvertIncreasing(const Function& f, double target, double low, double high) {
+DEJA_VIEW_HOST_DEVICE double InvertIncreasing(const Function& f,
+                                              double target,
+                                              double low,
+                                              double high) {
   double derivative = 1.0;
   if (f(high, &derivative) <= target) {
     return high;
