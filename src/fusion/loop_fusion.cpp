@@ -20,8 +20,7 @@ LoopFusion::LoopFusion(const LoopFusionOptions& options,
           options.assembler,
           [this](AssembledKeyframe keyframe) {
             if (keyframe.is_restart) {
-              Tell(fmt::format("the VIO started anew before stamp {} ns: a new sequence",
-                               keyframe.stamp_ns));
+              Tell(RestartText(keyframe.stamp_ns));
             }
             Enqueue(std::move(keyframe));
           },

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <fmt/format.h>
+
 namespace deja_view {
 namespace {
 
@@ -23,6 +25,9 @@ constexpr double kRangeRatio = 2.0;
 constexpr double kStepMetres = 1.0;
 constexpr double kStepSpeed = 1.0;
 constexpr double kAcceleration = 5.0;
+// A VIO that flew on through more than this would have kept a track; and a new sequence that was
+// none is joined by its next loop, while a restart that is not told bends the map.
+constexpr double kLostTracksAcceleration = 2.0;
 
 using PointsById = std::unordered_map<std::int64_t, Eigen::Vector3d>;
 
@@ -101,18 +106,23 @@ bool RestartDetector::IsRestart(const Keyframe& now, const MovedAndRange& common
     const double before = MedianRange(last_->points_W, now.points_W, last_->p_W);
     const double after = MedianRange(now.points_W, last_->points_W, now.p_W);
     const bool is_whole = after < kRangeRatio * before && before < kRangeRatio * after;
-    return HaveMoved(common) && (is_whole || IsUnexplained(now));
+    return HaveMoved(common) && (is_whole || IsUnexplained(now, kAcceleration));
   }
-  return keeps_tracks_ && common.empty() && now.points_W.size() >= kFewPoints && IsUnexplained(now);
+  return keeps_tracks_ && common.empty() && now.points_W.size() >= kFewPoints &&
+         IsUnexplained(now, kLostTracksAcceleration);
 }
 
-bool RestartDetector::IsUnexplained(const Keyframe& now) const {
+bool RestartDetector::IsUnexplained(const Keyframe& now, double acceleration) const {
   if (!velocity_) {
     return false;
   }
   const double elapsed_s = Seconds(last_->stamp_ns, now.stamp_ns);
-  const double limit_m = kStepMetres + elapsed_s * (kStepSpeed + 0.5 * kAcceleration * elapsed_s);
+  const double limit_m = kStepMetres + elapsed_s * (kStepSpeed + 0.5 * acceleration * elapsed_s);
   return (now.p_W - (last_->p_W + elapsed_s * *velocity_)).norm() > limit_m;
+}
+
+std::string RestartText(std::int64_t stamp_ns) {
+  return fmt::format("the VIO started anew before stamp {} ns: a new sequence", stamp_ns);
 }
 
 }  // namespace deja_view

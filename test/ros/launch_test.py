@@ -1,14 +1,17 @@
 #!/usr/bin/python3
-"""The launch files hand every argument on to the node, whichever of them includes it. No master is needed.
+"""The launch files hand every argument on to the node, whichever of them includes it, and RViz shows the flight
+large. No master is needed.
 
 Usage: launch_test.py LAUNCH_DIRECTORY"""
 
 import os
+import struct
 import sys
 import unittest
 
 import roslaunch.config
 import roslaunch.xmlloader
+import yaml
 
 LAUNCH = sys.argv.pop(1) if len(sys.argv) > 1 else "launch"
 
@@ -92,6 +95,20 @@ class LaunchTest(unittest.TestCase):
         player = next(n for n in config.nodes if n.name == "player")
         played = player.args.split("--topics ")[1].split()
         self.assertEqual(played, ["/cam0/image_raw", "/vins_estimator/odometry", "/virtual_cam0/frame"])
+
+    def test_rviz_opens_with_most_of_its_window_for_the_flight(self):
+        with open(os.path.join(LAUNCH, "..", "config", "deja_view.rviz"), encoding="utf-8") as file:
+            config = yaml.safe_load(file)
+        window = config["Window Geometry"]
+        state = bytes.fromhex(str(window["QMainWindow State"]))
+        # Of QMainWindow::saveState: the size of what lies between the panels comes before the four corners.
+        corners = struct.pack(">4i", 4, 4, 8, 8)
+        width, height = struct.unpack_from(">2i", state, state.rindex(corners) - 8)
+        self.assertGreater(width, 0.7 * window["Width"])
+        self.assertGreater(height, 0.7 * window["Height"])
+        images = [d["Name"] for d in config["Visualization Manager"]["Displays"] if d["Class"] == "rviz/Image"]
+        for panel in [p["Name"] for p in config["Panels"]] + images:
+            self.assertIn(panel.encode("utf-16-be"), state, panel)
 
 
 if __name__ == "__main__":

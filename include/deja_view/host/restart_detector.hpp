@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -37,11 +38,15 @@ class RestartDetector {
   using MovedAndRange = std::vector<std::pair<double, double>>;
   MovedAndRange CommonPoints(const Keyframe& now) const;
   bool IsRestart(const Keyframe& now, const MovedAndRange& common) const;
-  bool IsUnexplained(const Keyframe& now) const;
+  /// By the motion before and so much acceleration [m/s^2].
+  bool IsUnexplained(const Keyframe& now, double acceleration) const;
 
   std::optional<Keyframe> last_;
   std::optional<Eigen::Vector3d> velocity_;  ///< [m/s] between the last two keyframes
   bool keeps_tracks_ = false;                ///< the last two keyframes have points in common
 };
+
+/// What is told of a restart whose first keyframe is this one.
+std::string RestartText(std::int64_t stamp_ns);
 
 }  // namespace deja_view

@@ -192,6 +192,9 @@ class Replay {
   }
 
   void HandOver(const AssembledKeyframe& keyframe) {
+    if (keyframe.is_restart && callbacks_.on_problem) {
+      callbacks_.on_problem(RestartText(keyframe.stamp_ns));
+    }
     if (callbacks_.on_extrinsic && keyframe.T_B_C && IsNewExtrinsic(*keyframe.T_B_C)) {
       callbacks_.on_extrinsic(*keyframe.T_B_C);
       T_B_C_ = keyframe.T_B_C;

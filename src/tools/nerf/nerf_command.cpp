@@ -116,7 +116,10 @@ void AddTrain(CLI::App* nerf, Command* command) {
       ->check(CLI::ExistingFile);
   sub->add_option("--refined-poses",
                   request->refined_poses,
-                  "File for the poses; they are corrected with --set refine_poses=true");
+                  "File for the cameras' poses, for --poses with --poses-of camera; of images "
+                  "without stamps or "
+                  "poses without a scale a folder for --colmap. They are corrected with --set "
+                  "refine_poses=true");
   sub->add_option("--shard",
                   request->shard,
                   "Cut the scene into n sub-maps by where the cameras are, and train the field of "

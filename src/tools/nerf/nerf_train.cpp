@@ -1,6 +1,7 @@
-#include "deja_view/base/atomic_file.hpp"
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/progress.hpp"
+#include "deja_view/io/colmap.hpp"
+#include "deja_view/io/tum.hpp"
 #include "deja_view/nerf/cell_images.hpp"
 #include "deja_view/nerf/checkpoint.hpp"
 #include "deja_view/nerf/posed_images.hpp"
@@ -8,6 +9,7 @@
 #include "deja_view/nerf/trainer.hpp"
 
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -147,19 +149,30 @@ class Schedule {
   double done_;
 };
 
-void WriteRefinedPoses(const std::filesystem::path& path,
-                       const std::vector<std::string>& names,
-                       const std::vector<Rigid3>& poses) {
-  WriteFileAtomically(path, [&](std::ostream& out) {
-    out << "# image tx ty tz qx qy qz qw (T_N_C, camera in the frame of the given poses)\n";
-    for (std::size_t i = 0; i < poses.size(); ++i) {
-      const Rigid3& T = poses[i];
-      out << fmt::format("{} {:.9f} {:.9f}\n",
-                         names[i],
-                         fmt::join(Numbers(T.t), " "),
-                         fmt::join(ScalarLast(T.q), " "));
-    }
-  });
+/// As --poses reads them where the images have stamps and metres, else as --colmap does.
+void WriteRefinedPoses(const NerfTrainRequest& request,
+                       const std::vector<nerf::PosedImage>& images,
+                       const std::vector<Rigid3>& T_N_C) {
+  DEJA_VIEW_CHECK(images.size() == T_N_C.size());
+  std::map<std::int64_t, Rigid3> by_stamp;
+  ColmapModel model;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const auto id = static_cast<std::uint32_t>(i + 1);
+    by_stamp[images[i].stamp_ns] = T_N_C[i];
+    model.cameras[id] = images[i].camera;
+    model.images.push_back({id, id, images[i].path.filename().string(), T_N_C[i], {}});
+  }
+  const bool has_files = request.input.bag.empty();
+  if (has_files && (by_stamp.count(0) > 0 || !FrameOf(request.input).is_known)) {
+    WriteColmapModel(model, request.refined_poses);
+    return;
+  }
+  Trajectory trajectory;
+  for (const auto& [stamp_ns, pose] : by_stamp) {
+    trajectory.stamps_ns.push_back(stamp_ns);
+    trajectory.poses.push_back(pose);
+  }
+  WriteTum(request.refined_poses, trajectory);
 }
 
 /// Steps until the schedule's end or Ctrl-C, and writes the model now and then. Returns whether it
@@ -217,10 +230,6 @@ Json RunNerfTrain(const NerfTrainRequest& request) {
     nerf::AddSparsePoints({}, request.threads, &views);
   }
   const std::size_t points = CountPoints(views);
-  std::vector<std::string> names;
-  for (const nerf::TrainingView& view : views) {
-    names.push_back(view.name);
-  }
   nerf::Trainer trainer =
       MakeTrainer(request, options, std::move(views), std::move(beginning.field));
   trainer.SetCells(beginning.cells);
@@ -233,14 +242,14 @@ Json RunNerfTrain(const NerfTrainRequest& request) {
   const bool interrupted = Train(request, interrupt, schedule, &trainer, &sums);
   const double train_s = SecondsSince(train_start);
   if (!request.refined_poses.empty()) {
-    WriteRefinedPoses(request.refined_poses, names, trainer.poses());
+    WriteRefinedPoses(request, beginning.images, trainer.poses());
   }
   Json json;
   json["model"] = request.out.string();
   if (beginning.cells.IsCut()) {
     json["shard"] = fmt::format("{}/{}", beginning.cells.index, beginning.cells.cells.size());
   }
-  json["images"] = names.size();
+  json["images"] = beginning.images.size();
   json["steps"] = sums.steps;
   json["psnr_db"] = sums.psnr_db;
   json["train_wall_s"] = SecondsSince(start);

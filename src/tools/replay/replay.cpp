@@ -1,5 +1,6 @@
 #include "replay/replay.hpp"
 
+#include "deja_view/base/check.hpp"
 #include "deja_view/base/progress.hpp"
 #include "deja_view/fusion/loop_fusion_options.hpp"
 #include "deja_view/fusion/result_files.hpp"
@@ -8,6 +9,7 @@
 
 #include <algorithm>
 
+#include "common/problem_lines.hpp"
 #include "common/shared_files.hpp"
 #include "common/tool_figures.hpp"
 #include <fmt/format.h>
@@ -92,6 +94,17 @@ void Play(const ReplayRequest& request,
   }
 }
 
+void RequireKeyframes(const ReplayRequest& request,
+                      const LoopCloser& closer,
+                      const ReplayResult& result) {
+  if (closer.keyframe_count() == result.map_keyframes) {
+    ThrowInputError("{}: no keyframe could be used{}{}",
+                    request.bag.string(),
+                    result.problems.empty() ? "" : ": ",
+                    fmt::join(ProblemLines(result.problems), "; "));
+  }
+}
+
 }  // namespace
 
 fs::path DefaultVocabulary(const std::string& descriptor_name) {
@@ -114,6 +127,7 @@ ReplayResult RunReplay(const ReplayRequest& request) {
     result.map_keyframes = closer.keyframe_count();
   }
   Play(request, options, &closer, &result);
+  RequireKeyframes(request, closer, result);
   closer.OptimizeFully();
   if (!request.save_map.empty()) {
     closer.Save(request.save_map);

@@ -65,7 +65,7 @@ struct ReplayResult {
 };
 
 /// Runs LoopCloser over a bag and writes its results to `request.out`. Throws InputError for bad
-/// input.
+/// input, and for a bag of which no keyframe can be used.
 ReplayResult RunReplay(const ReplayRequest& request);
 
 /// The documented JSON keys; those that need the truth are null, or count nothing, until a

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "common/commands.hpp"
+#include "common/problem_lines.hpp"
 #include "common/reporting.hpp"
 #include "replay/replay.hpp"
 #include "replay/replay_judge.hpp"
@@ -40,7 +41,7 @@ void PrintTable(const ReplayResult& r, const Json& json, const ReplayVerdict& ve
                    r.mean_times.query,
                    r.mean_times.verification,
                    r.mean_times.graph);
-  for (const std::string& problem : r.problems) {
+  for (const std::string& problem : ProblemLines(r.problems)) {
     std::cerr << "warning: " << problem << "\n";
   }
 }

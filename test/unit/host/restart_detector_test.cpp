@@ -94,6 +94,12 @@ TEST_F(RestartDetectorTest, NewTracksWhereTheMotionCouldNotLeadAreOne) {
   EXPECT_TRUE(Add(0.5, -3, 100));
 }
 
+TEST_F(RestartDetectorTest, NewTracksAfterASilenceAreOneWhereTheyAreFarOff) {
+  Add(0, 0, 0);
+  Add(0.2, 0.1, 0);
+  EXPECT_TRUE(Add(1.7, 7.0, 100));
+}
+
 TEST_F(RestartDetectorTest, NamesThatNeverComeAgainTellNothing) {
   Add(0, 0, 0);
   Add(0.2, 0.4, 100);
