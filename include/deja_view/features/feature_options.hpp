@@ -57,8 +57,8 @@ inline constexpr auto kEnumNames<QuadtreeMode> = EnumNames("count", "std", "adap
 /// Options of OrbExtractor; the defaults are ORB-SLAM's, but for the quadtree's mode, which finds
 /// more of the points that a VIO tracks.
 struct OrbOptions {
-  int max_features = 1000;     ///< over all levels; >= 1
-  double scale_factor = 1.2;   ///< between levels, 1.01 to 2
+  int max_features = 1000;    ///< over all levels; >= 1
+  double scale_factor = 1.2;  ///< between levels, 1.01 to 2
   /// 1 to 16. Tracked points are described at the first: what is found on others shows no point.
   int levels = 1;
   int fast_threshold = 20;     ///< grey levels, 1 to 254
