@@ -83,7 +83,7 @@ cv::Mat Simulator::RenderFrame(double t) const {
   std::vector<Rigid3> T_W_C;
   for (int i = 0; i < samples; ++i) {
     const double within = (i + 0.5) / samples - 0.5;
-    T_W_C.push_back(path_->Pose(t + within * 1e-3 * options_.sensor.exposure_ms) * T_B_C());
+    T_W_C.push_back(path_->Pose(t + within * 1e-3 * options_.sensor.exposure_ms) * SimulatedExtrinsic());
   }
   return renderer_->RenderRadiance(T_W_C);
 }
@@ -92,7 +92,7 @@ void Simulator::Run(FlightSink* sink,
                     const std::function<void(std::size_t, std::size_t)>& progress) const {
   DEJA_VIEW_CHECK(sink != nullptr);
   ImageSensor sensor(options_.sensor, *camera_, options_.flight_seed);
-  VioFrontEnd front_end(world_, camera_, T_B_C(), options_.vio, options_.flight_seed);
+  VioFrontEnd front_end(world_, camera_, SimulatedExtrinsic(), options_.vio, options_.flight_seed);
   const auto imu = SimulateImu(*path_, options_.imu, options_.start_stamp_ns, options_.flight_seed);
   auto next_imu = imu.begin();
   DelayLine delayed;
