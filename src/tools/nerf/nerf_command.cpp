@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "common/commands.hpp"
+#include "common/device_option.hpp"
 #include "common/interrupt.hpp"
 #include <fmt/format.h>
 
@@ -97,6 +98,9 @@ Command Reporting(std::shared_ptr<std::string> json_file,
     } catch (const Interrupted& e) {
       std::cerr << "deja_view: " << e.what() << "\n";
       return 130;
+    } catch (const nerf::DeviceLostError& e) {
+      std::cerr << "deja_view: " << e.what() << "\n";
+      return kDeviceLostCode;
     }
     if (!json_file->empty()) {
       WriteFileAtomically(*json_file, [&](std::ostream& out) { out << json.dump(2) << "\n"; });
@@ -123,6 +127,7 @@ void AddTrain(CLI::App* nerf, Command* command) {
   AddNerfInputOptions(sub, &request->input);
   AddCommonOptions(sub, request.get(), json_file.get());
   AddTrainOptions(sub, &request->config, &request->overrides);
+  AddDeviceOption(sub, &request->device);
   sub->add_option("--box", request->box, "The scene: min x y z, max x y z [m]")->expected(6);
   sub->add_option("--margin",
                   request->margin,
@@ -167,6 +172,7 @@ void AddEval(CLI::App* nerf, Command* command) {
   auto json_file = std::make_shared<std::string>();
   AddNerfInputOptions(sub, &request->input);
   AddCommonOptions(sub, request.get(), json_file.get());
+  AddDeviceOption(sub, &request->device);
   sub->add_option("--model", request->model, "Model file")->required()->check(CLI::ExistingFile);
   sub->add_option("--pictures", request->pictures, "Directory for real | rendered | difference");
   sub->add_option("--views", request->views, "At most this many views; 0: all")
@@ -243,6 +249,7 @@ void AddRender(CLI::App* nerf, Command* command) {
   auto json_file = std::make_shared<std::string>();
   AddScaleOption(sub, &request->scale);
   AddCommonOptions(sub, request.get(), json_file.get());
+  AddDeviceOption(sub, &request->device);
   sub->add_option("--model", request->model, "Model file")->required()->check(CLI::ExistingFile);
   sub->add_option("--camera", request->camera, "Camera and extrinsics: an odometry's YAML")
       ->check(CLI::ExistingFile);
@@ -300,7 +307,8 @@ void AddAlign(CLI::App* nerf, Command* command) {
 }
 
 void AddInfo(CLI::App* nerf, Command* command) {
-  CLI::App* sub = nerf->add_subcommand("info", "Check a model file and show what it holds");
+  CLI::App* sub = nerf->add_subcommand(
+      "info", "Check a model file and show what it holds, and the graphics cards there are");
   auto path = std::make_shared<fs::path>();
   auto json_file = std::make_shared<std::string>();
   sub->add_option("model", *path, "Model file")->required()->check(CLI::ExistingFile);

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "common/commands.hpp"
+#include "common/device_option.hpp"
 #include "common/interrupt.hpp"
 #include <fmt/format.h>
 
@@ -64,6 +65,9 @@ Command Reporting(std::shared_ptr<std::string> json_file,
     } catch (const Interrupted& e) {
       std::cerr << "deja_view: " << e.what() << "; " << on_interrupt << "\n";
       return 130;
+    } catch (const nerf::DeviceLostError& e) {
+      std::cerr << "deja_view: " << e.what() << "; " << on_interrupt << "\n";
+      return kDeviceLostCode;
     }
     if (!json_file->empty()) {
       WriteFileAtomically(*json_file, [&](std::ostream& out) { out << json.dump(2) << "\n"; });
@@ -162,6 +166,7 @@ void AddRender(CLI::App* views, Command* command) {
                   "nerf, or warp: the image itself by the VIO's points or --depth-maps")
       ->check(CLI::IsMember(SceneRenderers()))
       ->capture_default_str();
+  AddDeviceOption(sub, &request->device);
   sub->add_option("--content", request->content, "What a view carries")
       ->check(CLI::IsMember({"image", "features", "both"}))
       ->capture_default_str();
