@@ -16,7 +16,7 @@ std::shared_ptr<const SceneModel> OpenField(const SceneModelSpec& spec) {
   if (spec.depth_maps != nullptr) {
     ThrowInputError("--depth-maps: go with --renderer warp only");
   }
-  return std::make_shared<nerf::FieldModel>(spec.model);
+  return std::make_shared<nerf::FieldModel>(spec.model, spec.device);
 }
 
 std::shared_ptr<const SceneModel> OpenWarp(const SceneModelSpec& spec) {
@@ -57,9 +57,11 @@ std::shared_ptr<const SceneModel> OpenSceneModel(const SceneModelSpec& spec) {
       "renderer '{}': expected one of {}", spec.renderer, fmt::join(SceneRenderers(), ", "));
 }
 
-std::shared_ptr<const SceneModel> OpenSceneModel(const std::filesystem::path& model) {
+std::shared_ptr<const SceneModel> OpenSceneModel(const std::filesystem::path& model,
+                                                 const nerf::DeviceChoice& device) {
   SceneModelSpec spec;
   spec.model = model;
+  spec.device = device;
   return OpenSceneModel(spec);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "deja_view/nerf/device.hpp"
 #include "deja_view/scene/depth_maps.hpp"
 #include "deja_view/views/scene_model.hpp"
 
@@ -16,16 +17,18 @@ struct SceneModelSpec {
   std::filesystem::path model;                  ///< a file that the renderer reads
   std::shared_ptr<const Camera> camera;         ///< of the flight's images
   std::shared_ptr<const DepthMaps> depth_maps;  ///< of the flight's images; null: none
+  nerf::DeviceChoice device;                    ///< for fields; depth is warped on the CPU
 };
 
 /// The names that a spec's renderer may have.
 std::vector<std::string> SceneRenderers();
 
 /// Throws InputError for a renderer that nobody knows, for a model that is missing or can't be
-/// read, and for what the renderer has no use for.
+/// read, and for what the renderer has no use for; nerf::DeviceError for a card that fails.
 std::shared_ptr<const SceneModel> OpenSceneModel(const SceneModelSpec& spec);
 
 /// A model's file alone tells how it is rendered.
-std::shared_ptr<const SceneModel> OpenSceneModel(const std::filesystem::path& model);
+std::shared_ptr<const SceneModel> OpenSceneModel(const std::filesystem::path& model,
+                                                 const nerf::DeviceChoice& device = {});
 
 }  // namespace deja_view

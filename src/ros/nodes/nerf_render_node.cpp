@@ -41,6 +41,15 @@ Rigid3 ReadExtrinsic(const ros::NodeHandle& handle, const VinsConfig& vins) {
   return poses_of == "body" ? vins.T_B_C : Rigid3::Identity();
 }
 
+nerf::DeviceChoice ReadDevice(const ros::NodeHandle& handle) {
+  const nerf::ChosenDevice chosen =
+      nerf::ChooseDevice(internal::ReadText(handle, "device", "auto"));
+  if (!chosen.note.empty()) {
+    ROS_INFO_STREAM("nerf_render: " << chosen.note);
+  }
+  return chosen.device;
+}
+
 ViewQueueOptions ReadQueueOptions(const ros::NodeHandle& handle) {
   ViewQueueOptions options;
   const int size = internal::ReadParameter<int>(handle, "queue_size", 20, "an integer");
@@ -62,6 +71,7 @@ NerfRenderNode::NerfRenderNode()
     : vins_(ReadVinsConfig(internal::ReadRequired(private_handle_, "config_file"))),
       content_(ReadContent(private_handle_)),
       models_(internal::ReadRequired(private_handle_, "model_directory", "a directory")),
+      device_(ReadDevice(private_handle_)),
       image_topic_(internal::ReadText(private_handle_, "topics/image")),
       pose_topic_(internal::ReadText(private_handle_, "topics/pose", "/vins_estimator/odometry")),
       compressed_images_(internal::ReadParameter<bool>(
@@ -168,7 +178,7 @@ bool NerfRenderNode::LoadModel(NamedMap::Request& request, NamedMap::Response& r
 }
 
 void NerfRenderNode::Load(const std::string& name) {
-  const auto model = OpenSceneModel(models_.Resolve(name));
+  const auto model = OpenSceneModel(models_.Resolve(name), device_);
   const Similarity3 W_N = model->FindFrame(std::nullopt);
   auto scene = std::make_shared<Scene>();
   scene->cells = model->cells();

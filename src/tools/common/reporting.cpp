@@ -4,6 +4,7 @@
 
 #include <iostream>
 
+#include "common/device_option.hpp"
 #include "common/interrupt.hpp"
 #include <fmt/format.h>
 
@@ -44,6 +45,9 @@ int Report(const std::function<nlohmann::ordered_json()>& run,
   } catch (const Interrupted& e) {
     std::cerr << "deja_view: " << e.what() << left << "\n";
     return kInterrupted;
+  } catch (const nerf::DeviceLostError& e) {
+    std::cerr << "deja_view: " << e.what() << left << "\n";
+    return kDeviceLostCode;
   }
   WriteJson(json_file, json);
   print(json);

@@ -24,7 +24,8 @@ using PrintFigures = std::function<void(const nlohmann::ordered_json&)>;
 
 /// Writes what `run` finds to `json_file`, if it has a name, and prints it. Returns the exit code:
 /// 130, as shells report a program that Ctrl-C ended, when Interrupted is thrown, or the figures
-/// have "interrupted"; `left` says what there is in the former case.
+/// have "interrupted"; kDeviceLostCode when nerf::DeviceLostError is; `left` says what there is
+/// then.
 int Report(const std::function<nlohmann::ordered_json()>& run,
            const std::string& json_file,
            const PrintFigures& print = PrintJson,

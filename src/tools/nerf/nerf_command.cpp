@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "common/commands.hpp"
+#include "common/device_option.hpp"
 #include "common/reporting.hpp"
 #include <fmt/format.h>
 
@@ -91,6 +92,7 @@ void AddTrain(CLI::App* nerf, Command* command) {
   AddNerfInputOptions(sub, &request->input);
   AddCommonOptions(sub, request.get(), json_file.get());
   AddTrainOptions(sub, &request->config, &request->overrides);
+  AddDeviceOption(sub, &request->device);
   sub->add_option("--box", request->box, "The scene: min x y z, max x y z [m]")->expected(6);
   sub->add_option("--margin",
                   request->margin,
@@ -137,6 +139,7 @@ void AddEval(CLI::App* nerf, Command* command) {
   auto json_file = std::make_shared<std::string>();
   AddNerfInputOptions(sub, &request->input);
   AddCommonOptions(sub, request.get(), json_file.get());
+  AddDeviceOption(sub, &request->device);
   sub->add_option("--model", request->model, "Model file")->required()->check(CLI::ExistingFile);
   sub->add_option("--pictures", request->pictures, "Directory for real | rendered | difference");
   sub->add_option("--views", request->views, "At most this many views; 0: all")
@@ -209,6 +212,7 @@ void AddRender(CLI::App* nerf, Command* command) {
   auto json_file = std::make_shared<std::string>();
   AddScaleOption(sub, &request->scale);
   AddCommonOptions(sub, request.get(), json_file.get());
+  AddDeviceOption(sub, &request->device);
   sub->add_option("--model", request->model, "Model file")->required()->check(CLI::ExistingFile);
   sub->add_option("--camera", request->camera, "Camera and extrinsics: an odometry's YAML")
       ->check(CLI::ExistingFile);
@@ -260,7 +264,8 @@ void AddAlign(CLI::App* nerf, Command* command) {
 }
 
 void AddInfo(CLI::App* nerf, Command* command) {
-  CLI::App* sub = nerf->add_subcommand("info", "Check a model file and show what it holds");
+  CLI::App* sub = nerf->add_subcommand(
+      "info", "Check a model file and show what it holds, and the graphics cards there are");
   auto path = std::make_shared<fs::path>();
   auto json_file = std::make_shared<std::string>();
   sub->add_option("model", *path, "Model file")->required()->check(CLI::ExistingFile);

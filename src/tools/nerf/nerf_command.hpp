@@ -25,6 +25,7 @@ struct NerfTrainRequest {
   double budget_s = 600;               ///< wall time from the start to the model file
   int steps = 0;                       ///< 0: as many as the budget allows
   int threads = 0;
+  std::string device = "auto";          ///< nerf::ChooseDevice
   double checkpoint_s = 60;             ///< wall time between models written on the way; 0: none
   std::filesystem::path resume;         ///< a model to go on with; empty: a new one
   std::filesystem::path refined_poses;  ///< for poses as corrected; empty: not written
@@ -41,6 +42,7 @@ struct NerfEvalRequest {
   int views = 0;                   ///< 0: all held-out ones
   std::string shard;               ///< only those of a sub-map; empty: those of the model's
   int threads = 0;
+  std::string device = "auto";
   std::string kernels = "auto";
   bool show_progress = true;
 };
@@ -56,6 +58,7 @@ struct NerfRenderRequest {
   double fps = 10;  ///< pictures per second of the trajectory
   bool depth = false;
   int threads = 0;
+  std::string device = "auto";
   std::filesystem::path out;
   bool show_progress = true;
 };
@@ -91,7 +94,8 @@ void AddNerfInputOptions(CLI::App* sub, NerfInput* input);
 /// Trains a field and writes it; the schedule follows the clock unless `steps` is given, so that
 /// only then two runs give the same model. Ctrl-C leaves the model as it is, for `resume`. Returns
 /// `shard, images, steps, rays, samples, psnr_db (over the last training rays), train_wall_s,
-/// depth_points, rays_per_s, samples_per_s, interrupted, peak_rss_mb`.
+/// depth_points, rays_per_s, samples_per_s, interrupted, peak_device_mb (0 on the CPU),
+/// peak_rss_mb`. Throws DeviceLostError that tells what is kept where a card is lost.
 nlohmann::ordered_json RunNerfTrain(const NerfTrainRequest& request);
 
 /// Renders held-out views; returns `psnr_db, ssim, corner_match_rate, corner_match_ceiling, views,
@@ -113,7 +117,7 @@ nlohmann::ordered_json RunNerfRender(const NerfRenderRequest& request);
 /// Writes the model again, with its place among poses in metres. Returns `model, alignment`.
 nlohmann::ordered_json RunNerfAlign(const NerfAlignRequest& request);
 
-/// Reads a model to the last byte; returns what it holds.
+/// Reads a model to the last byte; returns what it holds, and what could render it.
 nlohmann::ordered_json RunNerfInfo(const std::filesystem::path& path);
 
 }  // namespace deja_view

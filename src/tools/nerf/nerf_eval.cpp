@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 
+#include "common/device_option.hpp"
 #include "common/interrupt.hpp"
 #include "common/tool_figures.hpp"
 #include "nerf/nerf_command.hpp"
@@ -21,6 +22,7 @@ Json RunNerfEval(const NerfEvalRequest& request) {
   const Interrupt interrupt;
   const nerf::FieldRenderer renderer(
       std::make_shared<nerf::RadianceField>(nerf::ReadField(request.model)),
+      ChooseToolDevice(request.device),
       nerf::FindKernels(request.kernels));
   NerfEvaluation evaluation(
       renderer, MakeLoadOptions(request.input, request.threads), request.pictures);

@@ -1,5 +1,6 @@
 #include "deja_view/io/options_yaml.hpp"
 #include "deja_view/nerf/checkpoint.hpp"
+#include "deja_view/nerf/device.hpp"
 
 #include <cmath>
 
@@ -18,6 +19,25 @@ Json ToJson(const Eigen::Vector3d& corner) {
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     json.push_back(std::isfinite(corner[axis]) ? Json(corner[axis]) : Json(nullptr));
   }
+  return json;
+}
+
+// What --device can name, or why there is no card.
+Json Devices() {
+  const nerf::DeviceReport report = nerf::CudaPlatform().Find();
+  Json json;
+  json["cards"] = Json::array();
+  for (const nerf::DeviceCard& card : report.cards) {
+    json["cards"].push_back(fmt::format("cuda:{} {}, compute capability {}.{}, {} MB",
+                                        card.number,
+                                        card.name,
+                                        card.compute_major,
+                                        card.compute_minor,
+                                        card.memory_bytes >> 20U));
+  }
+  json["problem"] = report.problem;
+  json["driver"] = report.driver;
+  json["runtime"] = report.runtime;
   return json;
 }
 
@@ -47,6 +67,7 @@ Json RunNerfInfo(const std::filesystem::path& path) {
                        field.density.parameters().size() + field.color.parameters().size();
   json["occupied_share"] = static_cast<double>(field.occupancy.CountOccupied()) /
                            static_cast<double>(field.occupancy.cell_count());
+  json["devices"] = Devices();
   json["options"] = writer.text();
   return json;
 }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 
+#include "common/device_option.hpp"
 #include "common/interrupt.hpp"
 #include "common/pose_input.hpp"
 #include "common/tool_figures.hpp"
@@ -71,7 +72,7 @@ Json RunNerfRender(const NerfRenderRequest& request) {
   const Interrupt interrupt;
   const std::vector<Shot> shots =
       request.transforms.empty() ? ShotsOfTrajectory(request) : ShotsOfTransforms(request);
-  const auto model = OpenSceneModel(request.model);
+  const auto model = OpenSceneModel(request.model, ChooseToolDevice(request.device));
   const auto renderer = model->RendererFor({}, {});
   std::vector<double> times_ms;
   std::optional<Progress> progress;

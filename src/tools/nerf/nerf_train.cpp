@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/device_option.hpp"
 #include "common/interrupt.hpp"
 #include "common/tool_figures.hpp"
 #include "nerf/nerf_command.hpp"
@@ -85,11 +86,12 @@ nerf::Trainer MakeTrainer(const NerfTrainRequest& request,
                           const nerf::TrainOptions& options,
                           std::vector<nerf::TrainingView> views,
                           std::optional<nerf::RadianceField> field) {
+  const nerf::DeviceChoice device = ChooseToolDevice(request.device);
   if (field) {
-    return nerf::Trainer(options, std::move(views), std::move(*field));
+    return nerf::Trainer(options, std::move(views), std::move(*field), device);
   }
   const nerf::SceneBox box = MakeBox(request, views);
-  return nerf::Trainer(options, std::move(views), box);
+  return nerf::Trainer(options, std::move(views), box, device);
 }
 
 /// What the steps of a training add up to.
@@ -175,18 +177,48 @@ void WriteRefinedPoses(const NerfTrainRequest& request,
   WriteTum(request.refined_poses, trajectory);
 }
 
+/// The model's file while it is trained.
+class ModelFile {
+ public:
+  explicit ModelFile(const NerfTrainRequest& request) : request_(request) {}
+
+  void Write(const nerf::RadianceField& field) {
+    nerf::WriteField(request_.out, field);
+    written_ = Clock::now();
+    share_ = static_cast<double>(field.progress);
+  }
+  bool IsDue() const {
+    return request_.checkpoint_s > 0 && SecondsSince(written_) > request_.checkpoint_s;
+  }
+  /// What there is to go on with.
+  std::string Describe() const {
+    if (share_ < 0) {
+      return request_.resume.empty() ? "no model was written yet"
+                                     : fmt::format("{} is as it was", request_.resume.string());
+    }
+    return fmt::format("{0} holds {1:.0f} % of the training: go on with --resume {0}",
+                       request_.out.string(),
+                       100 * share_);
+  }
+
+ private:
+  const NerfTrainRequest& request_;
+  Clock::time_point written_ = Clock::now();
+  double share_ = -1;  // of the training, that the file holds; below 0: not written yet
+};
+
 /// Steps until the schedule's end or Ctrl-C, and writes the model now and then. Returns whether it
 /// was interrupted.
 bool Train(const NerfTrainRequest& request,
            const Interrupt& interrupt,
            const Schedule& schedule,
            nerf::Trainer* trainer,
+           ModelFile* file,
            TrainingSums* sums) {
   std::optional<Progress> progress;
   if (request.show_progress) {
     progress.emplace("training", "krays", 0);
   }
-  auto written = Clock::now();
   bool interrupted = false;
   for (double share = schedule.Share(0); share < 1 && !interrupted;
        share = schedule.Share(sums->steps)) {
@@ -196,9 +228,8 @@ bool Train(const NerfTrainRequest& request,
       progress->SetTotal(static_cast<std::size_t>(krays / schedule.ShareOfRun(sums->steps)));
       progress->Update(sums->rays / 1000, sums->Line(share));
     }
-    if (request.checkpoint_s > 0 && SecondsSince(written) > request.checkpoint_s) {
-      nerf::WriteField(request.out, trainer->field());
-      written = Clock::now();
+    if (file->IsDue()) {
+      file->Write(trainer->field());
     }
     try {
       interrupt.Check();
@@ -212,8 +243,22 @@ bool Train(const NerfTrainRequest& request,
   if (progress) {
     progress->Finish(sums->rays / 1000, fmt::format("PSNR {:.2f} dB", sums->psnr_db));
   }
-  nerf::WriteField(request.out, trainer->field());
+  file->Write(trainer->field());
   return interrupted;
+}
+
+// Train; a lost card leaves the file as it was last written.
+bool TrainOrTell(const NerfTrainRequest& request,
+                 const Interrupt& interrupt,
+                 const Schedule& schedule,
+                 nerf::Trainer* trainer,
+                 TrainingSums* sums) {
+  ModelFile file(request);
+  try {
+    return Train(request, interrupt, schedule, trainer, &file, sums);
+  } catch (const nerf::DeviceLostError& e) {
+    throw nerf::DeviceLostError(fmt::format("{}; {}", e.what(), file.Describe()));
+  }
 }
 
 }  // namespace
@@ -239,7 +284,7 @@ Json RunNerfTrain(const NerfTrainRequest& request) {
   const Schedule schedule(request, start, static_cast<double>(trainer.field().progress));
   const auto train_start = Clock::now();
   TrainingSums sums;
-  const bool interrupted = Train(request, interrupt, schedule, &trainer, &sums);
+  const bool interrupted = TrainOrTell(request, interrupt, schedule, &trainer, &sums);
   const double train_s = SecondsSince(train_start);
   if (!request.refined_poses.empty()) {
     WriteRefinedPoses(request, beginning.images, trainer.poses());
@@ -261,6 +306,7 @@ Json RunNerfTrain(const NerfTrainRequest& request) {
   json["rays_per_s"] = static_cast<double>(sums.rays) / train_s;
   json["samples_per_s"] = static_cast<double>(sums.samples) / train_s;
   json["interrupted"] = interrupted;
+  json["peak_device_mb"] = static_cast<double>(trainer.device_bytes()) / (1 << 20U);
   json["peak_rss_mb"] = PeakRssMb();
   return json;
 }

@@ -123,7 +123,7 @@ std::map<std::string, ViewUpscaler> MakeWays(UpscalingOptions options,
 
 // The images of a flight as their own model.
 ViewRendererFactory OpenWarp(const ViewJob& job, const std::shared_ptr<const DepthMaps>& maps) {
-  return RenderersInWorld(OpenSceneModel({"warp", {}, job.camera, maps}), {});
+  return RenderersInWorld(OpenSceneModel({"warp", {}, job.camera, maps, {}}), {});
 }
 
 class Check {

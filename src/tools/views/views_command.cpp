@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "common/commands.hpp"
+#include "common/device_option.hpp"
 #include "common/reporting.hpp"
 #include <fmt/format.h>
 
@@ -136,6 +137,7 @@ void AddRender(CLI::App* views, Command* command) {
                   "nerf, or warp: the image itself by the VIO's points or --depth-maps")
       ->check(CLI::IsMember(SceneRenderers()))
       ->capture_default_str();
+  AddDeviceOption(sub, &request->device);
   sub->add_option("--content", request->content, "What a view carries")
       ->check(CLI::IsMember({"image", "features", "both"}))
       ->capture_default_str();

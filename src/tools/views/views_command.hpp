@@ -40,6 +40,7 @@ struct ViewsInput {
 struct ViewsRenderRequest {
   ViewsInput input;
   std::string renderer = "nerf";  ///< one of SceneRenderers()
+  std::string device = "auto";    ///< nerf::ChooseDevice
   std::string content = "image";  ///< or features, or both
   bool depth = false;
   bool plain_topics = false;

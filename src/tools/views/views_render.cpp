@@ -8,6 +8,7 @@
 #include <iostream>
 #include <optional>
 
+#include "common/device_option.hpp"
 #include "common/interrupt.hpp"
 #include "common/tool_figures.hpp"
 #include "views/views_command.hpp"
@@ -55,6 +56,11 @@ void CheckPoints(const ViewsRenderRequest& request, const ViewJob& job, const Sc
         points,
         request.renderer);
   }
+}
+
+// Depth is warped on the CPU.
+nerf::DeviceChoice DeviceOf(const ViewsRenderRequest& request) {
+  return request.renderer == "nerf" ? ChooseToolDevice(request.device) : nerf::DeviceChoice();
 }
 
 void TellSubMap(const Shard& sub_map) {
@@ -107,7 +113,8 @@ Json RunViewsRender(const ViewsRenderRequest& request) {
   job.views_only = request.views_only;
   job.resume = request.resume;
   const auto maps = OpenFlightMaps(request.input.depth_maps, job);
-  const auto scene = OpenSceneModel({request.renderer, request.input.model, job.camera, maps});
+  const auto scene =
+      OpenSceneModel({request.renderer, request.input.model, job.camera, maps, DeviceOf(request)});
   CheckPoints(request, job, *scene);
   scene->Relax(&job.options.gate);
   const ViewModel model = PlaceModel(scene, posed);

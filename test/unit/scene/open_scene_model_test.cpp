@@ -56,10 +56,10 @@ TEST_F(OpenSceneModelTest, NobodyKnowsWhereAFieldOfPosesWithoutAScaleLies) {
 }
 
 TEST_F(OpenSceneModelTest, AWarpNeedsPointsOrDepthMaps) {
-  EXPECT_TRUE(OpenSceneModel({"warp", {}, camera_, nullptr})->NeedsPoints());
+  EXPECT_TRUE(OpenSceneModel({"warp", {}, camera_, nullptr, {}})->NeedsPoints());
   cv::imwrite((directory_ / "1000000000.png").string(), cv::Mat(6, 8, CV_16UC1, cv::Scalar(3000)));
   const auto maps = OpenDepthMaps({directory_, "ray", 1e-3}, camera_);
-  const auto model = OpenSceneModel({"warp", {}, camera_, maps});
+  const auto model = OpenSceneModel({"warp", {}, camera_, maps, {}});
   EXPECT_FALSE(model->NeedsPoints());
   EXPECT_EQ(model->Describe(), maps->Describe());
   const ViewSource source{1000000000, cv::Mat(6, 8, CV_8UC1, cv::Scalar(9)), {}};
@@ -80,7 +80,7 @@ TEST_F(OpenSceneModelTest, DepthMapsAreFoundByTheStampsOfImages) {
 
 TEST_F(OpenSceneModelTest, WhatARendererCannotUseIsRefused) {
   EXPECT_THAT(MessageOf<InputError>([] {
-                OpenSceneModel({"mesh", {}, nullptr, nullptr});
+                OpenSceneModel({"mesh", {}, nullptr, nullptr, {}});
               }),
               HasSubstr("'mesh': expected one of nerf, warp"));
   EXPECT_THAT(MessageOf<InputError>([] { OpenSceneModel(std::filesystem::path()); }),
@@ -90,7 +90,7 @@ TEST_F(OpenSceneModelTest, WhatARendererCannotUseIsRefused) {
   cv::imwrite((directory_ / "1000000000.png").string(), cv::Mat(6, 8, CV_16UC1, cv::Scalar(3000)));
   const auto maps = OpenDepthMaps({directory_, "ray", 1e-3}, camera_);
   EXPECT_THAT(MessageOf<InputError>([&] {
-                OpenSceneModel({"nerf", "x", camera_, maps});
+                OpenSceneModel({"nerf", "x", camera_, maps, {}});
               }),
               HasSubstr("--renderer warp only"));
 }

@@ -3,6 +3,7 @@
 #include "deja_view/base/error_policy.hpp"
 #include "deja_view/fusion/model_directory.hpp"
 #include "deja_view/io/vins_config.hpp"
+#include "deja_view/nerf/device.hpp"
 #include "deja_view/views/scene_model.hpp"
 #include "deja_view/views/view_maker.hpp"
 #include "deja_view/views/view_queue.hpp"
@@ -41,6 +42,7 @@ namespace deja_view {
 ///                     (/vins_estimator/odometry); a model without a scale is refused
 ///   ~poses_of         body or camera
 ///   ~compressed_images
+///   ~device           auto (a graphics card, or else the CPU), cpu, cuda or cuda:n
 ///   ~queue_size       images that may wait for the renderer; then the oldest is dropped
 /// Publishes /virtual_cam0/frame; offers ~load_model (NamedMap).
 class NerfRenderNode {
@@ -73,6 +75,7 @@ class NerfRenderNode {
   ViewOptions options_;
   ViewContent content_;
   ModelDirectory models_;
+  nerf::DeviceChoice device_;
   std::string image_topic_;
   std::string pose_topic_;
   bool compressed_images_ = false;
