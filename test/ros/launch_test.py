@@ -62,6 +62,7 @@ class LaunchTest(unittest.TestCase):
             ("vins_fusion.launch", {}),
             ("openvins.launch", {}),
             ("odometry.launch", {}),
+            ("orb_slam3.launch", {}),
             ("euroc.launch", {"bag": "flight.bag"}),
             ("euroc.launch", {"bag": "flight.bag", "vins": "true"}),
         ):
@@ -81,6 +82,11 @@ class LaunchTest(unittest.TestCase):
             arguments = {"start_vins": "false"} if host == "vins_mono" else {}
             found = parameters(load(host + ".launch", config_path="camera.yaml", **arguments))
             self.assertEqual(found["host"], host)
+
+    def test_orb_slam3_is_an_odometry(self):
+        found = parameters(load("orb_slam3.launch", config_path="settings.yaml"))
+        self.assertEqual(found["host"], "odometry")
+        self.assertEqual(found["topics/odometry"], "/orb_slam3/body_odom")
 
     def test_a_replay_plays_all_that_the_node_hears(self):
         config = load("replay.launch", bag="flight.bag", config_path="camera.yaml")
