@@ -15,10 +15,8 @@ constexpr std::int64_t kNanoseconds = 1000000000;
 // restart.
 constexpr std::int64_t kStretchNs = 10 * kNanoseconds;
 
-// Poses remembered to know a duplicate; calibrations remembered to find the one of a keyframe's
-// time.
+// Poses remembered to know a duplicate.
 constexpr std::size_t kPoseMemory = 8;
-constexpr std::size_t kExtrinsicMemory = 256;
 
 std::int64_t ToNanoseconds(double seconds) {
   return static_cast<std::int64_t>(std::llround(seconds * 1e9));
@@ -73,6 +71,7 @@ void KeyframeAssembler::AddImage(std::int64_t stamp_ns, ImageSource image, std::
   }
   if (owner != nullptr) {
     owner->image = std::move(image);
+    owner->image_bytes = bytes;
   } else if (!IsHopeless(key)) {
     HoldImage({key, std::move(image), bytes});
   }
@@ -110,13 +109,8 @@ void KeyframeAssembler::AddPoints(std::int64_t stamp_ns, std::vector<TrackedPoin
 }
 
 void KeyframeAssembler::AddExtrinsic(std::int64_t stamp_ns, const Rigid3& T_B_C) {
-  if (!extrinsics_.empty() && extrinsics_.back().value.t == T_B_C.t &&
-      extrinsics_.back().value.q.coeffs() == T_B_C.q.coeffs()) {
-    return;
-  }
-  extrinsics_.push_back({Key(stamp_ns), T_B_C});
-  if (extrinsics_.size() > kExtrinsicMemory) {
-    extrinsics_.pop_front();
+  if (!extrinsics_.Add(Key(stamp_ns), T_B_C)) {
+    Drop(DropReason::kExtrinsicJump, stamp_ns);
   }
 }
 
@@ -204,6 +198,11 @@ void KeyframeAssembler::Drop(DropReason reason, std::int64_t stamp_ns) {
     case DropReason::kUnmatched:
       ++counts_.unmatched;
       break;
+    case DropReason::kExtrinsicJump:
+      if (++counts_.extrinsic_jumps > 1) {
+        return;
+      }
+      break;
   }
   if (on_drop_) {
     on_drop_(reason, stamp_ns);
@@ -259,6 +258,7 @@ void KeyframeAssembler::Push(Pending pending) {
   if (const auto image = std::find_if(images_.begin(), images_.end(), has_key);
       image != images_.end()) {
     pending.image = std::move(image->value);
+    pending.image_bytes = image->bytes;
     image_bytes_ -= image->bytes;
     images_.erase(image);
   }
@@ -290,7 +290,8 @@ void KeyframeAssembler::Settle() {
         head.points || is_late || head.later_points >= options_.later_messages;
     // Without an image there is nothing to wait for: points alone make no keyframe.
     const bool is_settled = image_is_settled && (points_are_settled || !head.image);
-    const bool overflows = pending_.size() > static_cast<std::size_t>(options_.max_pending);
+    const bool overflows = pending_.size() > static_cast<std::size_t>(options_.max_pending) ||
+                           static_cast<double>(PendingBytes()) > 1e6 * options_.image_memory_mb;
     if (!is_settled && !overflows) {
       return;
     }
@@ -301,6 +302,14 @@ void KeyframeAssembler::Settle() {
     pending_.pop_front();
     Resolve(std::move(resolved));
   }
+}
+
+std::size_t KeyframeAssembler::PendingBytes() const {
+  std::size_t bytes = 0;
+  for (const Pending& pending : pending_) {
+    bytes += pending.image_bytes;
+  }
+  return bytes;
 }
 
 void KeyframeAssembler::Resolve(Pending pending) {
@@ -324,8 +333,9 @@ void KeyframeAssembler::Resolve(Pending pending) {
   keyframe.stamp_ns = pending.stamp_ns;
   keyframe.T_W_B = pending.T_W_B;
   keyframe.image = std::move(pending.image);
+  keyframe.image_bytes = pending.image_bytes;
   keyframe.points = std::move(*pending.points);
-  keyframe.T_B_C = ExtrinsicFor(pending.key);
+  keyframe.T_B_C = extrinsics_.At(pending.key);
   on_keyframe_(std::move(keyframe));
 }
 
@@ -381,15 +391,6 @@ void KeyframeAssembler::PrunePoints() {
       ++points;
     }
   }
-}
-
-std::optional<Rigid3> KeyframeAssembler::ExtrinsicFor(std::int64_t key) const {
-  for (auto extrinsic = extrinsics_.rbegin(); extrinsic != extrinsics_.rend(); ++extrinsic) {
-    if (extrinsic->key <= key) {
-      return extrinsic->value;
-    }
-  }
-  return std::nullopt;
 }
 
 }  // namespace deja_view

@@ -2,6 +2,7 @@
 
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/enum_names.hpp"
+#include "deja_view/base/quote.hpp"
 #include "deja_view/io/config_node.hpp"
 
 #include <array>
@@ -312,7 +313,7 @@ void ParseOptions(const std::string& text, const std::string& name, Options* opt
 template <typename Options>
 void OverrideOption(const std::string& assignment, Options* options) {
   Options result = *options;
-  internal::ApplyConfig(internal::ParseOverride(assignment), assignment, &result);
+  internal::ApplyConfig(internal::ParseOverride(assignment), Quote(assignment), &result);
   *options = std::move(result);
 }
 

@@ -1,5 +1,6 @@
 #include "deja_view/base/atomic_file.hpp"
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/output_lock.hpp"
 
 #include <iostream>
 #include <memory>
@@ -104,6 +105,7 @@ void AddEvaluateCommand(CLI::App& app, Command* command) {
       for (const std::string& text : *extra) {
         request->extra.push_back(SplitName("--variant", text));
       }
+      const OutputLock lock = OutputLock::OfDirectory(request->out);
       Json json;
       try {
         json = RunEvaluate(*request);

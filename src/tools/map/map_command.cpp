@@ -1,6 +1,7 @@
 #include "map/map_command.hpp"
 
 #include "deja_view/base/atomic_file.hpp"
+#include "deja_view/base/output_lock.hpp"
 
 #include <iostream>
 #include <memory>
@@ -43,6 +44,7 @@ void AddMapCommand(CLI::App& app, Command* command) {
   sub->callback([=] {
     *command = [=] {
       try {
+        const OutputLock lock = OutputLock::OfDirectory(request->out);
         const nlohmann::ordered_json json = RunMap(*request);
         if (!json_file->empty()) {
           WriteFileAtomically(*json_file, [&](std::ostream& out) { out << json.dump(2) << "\n"; });

@@ -1,5 +1,6 @@
 #include "deja_view/base/atomic_file.hpp"
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/output_lock.hpp"
 #include "deja_view/base/progress.hpp"
 #include "deja_view/nerf/cell_images.hpp"
 #include "deja_view/nerf/checkpoint.hpp"
@@ -208,6 +209,7 @@ bool Train(const NerfTrainRequest& request,
 Json RunNerfTrain(const NerfTrainRequest& request) {
   const auto start = Clock::now();
   const Interrupt interrupt;
+  const OutputLock lock = OutputLock::OfFile(request.out);
   const nerf::TrainOptions options =
       ReadTrainOptions(request.config, request.overrides, request.threads);
   Beginning beginning = Begin(request);

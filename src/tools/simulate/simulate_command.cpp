@@ -1,4 +1,5 @@
 #include "deja_view/base/atomic_file.hpp"
+#include "deja_view/base/output_lock.hpp"
 #include "deja_view/lab/sim/exact_views.hpp"
 #include "deja_view/lab/sim/options.hpp"
 
@@ -93,6 +94,7 @@ void AddOutputOptions(CLI::App* sub, const Request& request) {
 
 int Simulate(const SimulateRequest& request, const std::string& json_file) {
   const bool only_views = !request.views_for.empty() || !request.views_like.empty();
+  const OutputLock lock = OutputLock::OfDirectory(request.out);
   nlohmann::ordered_json json;
   try {
     json = only_views ? RunSimulateViews(request) : RunSimulate(request);
