@@ -1,6 +1,7 @@
 # Warnings are errors for our own targets only, so they are PRIVATE; third-party headers are SYSTEM.
 option(DEJA_VIEW_WERROR "Treat warnings as errors" ON)
 set(DEJA_VIEW_SANITIZER "" CACHE STRING "address,undefined | thread | (empty)")
+option(DEJA_VIEW_FUZZ "Build the fuzz targets with libFuzzer (needs clang)" OFF)
 
 # -ffp-contract=off: the same input gives the same bits whatever the compiler would fuse.
 function(deja_view_target_defaults target)
@@ -17,5 +18,8 @@ function(deja_view_target_defaults target)
     target_compile_options(${target} PUBLIC -fsanitize=${DEJA_VIEW_SANITIZER} -fno-omit-frame-pointer
                                             -fno-sanitize-recover=all)
     target_link_options(${target} PUBLIC -fsanitize=${DEJA_VIEW_SANITIZER})
+  endif()
+  if(DEJA_VIEW_FUZZ)
+    target_compile_options(${target} PUBLIC -fsanitize=fuzzer-no-link)
   endif()
 endfunction()

@@ -1,5 +1,6 @@
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/input_file.hpp"
+#include "deja_view/base/quote.hpp"
 #include "deja_view/camera/kannala_brandt_camera.hpp"
 #include "deja_view/camera/pinhole_camera.hpp"
 #include "deja_view/io/image_names.hpp"
@@ -37,7 +38,7 @@ class Keys {
       return std::nullopt;
     }
     if (!value->is_number() || !std::isfinite(value->get<double>())) {
-      Fail(fmt::format("key '{}': expected a finite number, found {}", key, value->dump()));
+      Fail(fmt::format("key '{}': expected a finite number, found {}", key, Quote(value->dump())));
     }
     return value->get<double>();
   }
@@ -48,7 +49,7 @@ class Keys {
       return std::nullopt;
     }
     if (!value->is_string()) {
-      Fail(fmt::format("key '{}': expected text, found {}", key, value->dump()));
+      Fail(fmt::format("key '{}': expected text, found {}", key, Quote(value->dump())));
     }
     return value->get<std::string>();
   }
@@ -116,7 +117,8 @@ bool IsFisheye(const Keys& keys) {
     }
   }
   if (model != "OPENCV_FISHEYE") {
-    keys.Fail(fmt::format("camera_model '{}': expected PINHOLE, OPENCV or OPENCV_FISHEYE", model));
+    keys.Fail(
+        fmt::format("camera_model {}: expected PINHOLE, OPENCV or OPENCV_FISHEYE", Quote(model)));
   }
   return true;
 }

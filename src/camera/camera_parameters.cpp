@@ -1,6 +1,7 @@
 #include "deja_view/camera/camera_parameters.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/quote.hpp"
 #include "deja_view/camera/kannala_brandt_camera.hpp"
 #include "deja_view/camera/mei_camera.hpp"
 #include "deja_view/camera/pinhole_camera.hpp"
@@ -153,9 +154,9 @@ std::unique_ptr<Camera> MakeCamera(const CameraParameters& parameters, const std
     }
     return std::make_unique<MeiCamera>(lens);
   }
-  ThrowInputError("{}: camera model '{}': expected PINHOLE, KANNALA_BRANDT or MEI",
+  ThrowInputError("{}: camera model {}: expected PINHOLE, KANNALA_BRANDT or MEI",
                   name,
-                  parameters.model.substr(0, 64));
+                  Quote(parameters.model));
 }
 
 }  // namespace deja_view

@@ -22,7 +22,8 @@ LoopFusion::LoopFusion(const LoopFusionOptions& options,
             if (keyframe.is_restart) {
               Tell(RestartText(keyframe.stamp_ns));
             }
-            Enqueue(std::move(keyframe));
+            const std::size_t bytes = keyframe.image_bytes;
+            Enqueue({std::move(keyframe), bytes});
           },
           [this](DropReason reason, std::int64_t stamp_ns) {
             Tell(fmt::format("message of stamp {} ns: {}", stamp_ns, EnumToString(reason)));
@@ -88,7 +89,7 @@ int LoopFusion::Stop(std::chrono::duration<double> drain) {
   worker_.join();
   const std::lock_guard<std::mutex> lock(queue_mutex_);
   const auto left = std::count_if(queue_.begin(), queue_.end(), [](const Task& task) {
-    return std::holds_alternative<AssembledKeyframe>(task);
+    return std::holds_alternative<AssembledKeyframe>(task.content);
   });
   queue_.clear();
   return static_cast<int>(left);
@@ -125,12 +126,12 @@ void LoopFusion::AddExtrinsic(std::int64_t stamp_ns, const Rigid3& T_B_C) {
   assembler_.AddExtrinsic(stamp_ns, T_B_C);
 }
 
-void LoopFusion::AddVirtualView(VirtualViewSource view) {
-  Enqueue(std::move(view));
+void LoopFusion::AddVirtualView(VirtualViewSource view, std::size_t bytes) {
+  Enqueue({std::move(view), bytes});
 }
 
 void LoopFusion::AddRelativePose(const RelativePoseUpdate& update) {
-  Enqueue(update);
+  Enqueue({update, 0});
 }
 
 Rigid3 LoopFusion::drift() const {
@@ -162,40 +163,49 @@ std::future<void> LoopFusion::RunBeside(std::function<void()> solve) {
 }
 
 void LoopFusion::Enqueue(Task task) {
-  bool overflows = false;
+  int dropped = 0;
   std::size_t length = 0;
-  const bool is_view = std::holds_alternative<VirtualViewSource>(task);
+  const bool is_view = task.is_view();
   {
     const std::lock_guard<std::mutex> lock(queue_mutex_);
-    overflows = MakeRoom(task);
+    dropped = MakeRoom(task);
     queue_.push_back(std::move(task));
     length = queue_.size();
   }
   queue_changed_.notify_one();
   {
     const std::lock_guard<std::mutex> lock(statistics_mutex_);
-    (is_view ? statistics_.view_overflows : statistics_.queue_overflows) += overflows ? 1 : 0;
+    (is_view ? statistics_.view_overflows : statistics_.queue_overflows) += dropped;
     statistics_.queue_peak = std::max(statistics_.queue_peak, static_cast<int>(length));
   }
-  if (overflows) {
-    Tell(fmt::format("the queue of {} {} is full: the oldest one was dropped",
+  if (dropped > 0) {
+    Tell(fmt::format("the queue of {} {} or {} MB is full: {} of the oldest dropped",
                      is_view ? options_.virtual_queue_size : options_.queue_size,
-                     is_view ? "virtual views" : "keyframes"));
+                     is_view ? "virtual views" : "keyframes",
+                     options_.queue_memory_mb,
+                     dropped));
   }
 }
 
 // Views never push keyframes out, nor the other way round.
-bool LoopFusion::MakeRoom(const Task& task) {
-  const bool is_view = std::holds_alternative<VirtualViewSource>(task);
-  const auto is_alike = [is_view](const Task& other) {
-    return std::holds_alternative<VirtualViewSource>(other) == is_view;
-  };
-  const int limit = is_view ? options_.virtual_queue_size : options_.queue_size;
-  if (std::count_if(queue_.begin(), queue_.end(), is_alike) < limit) {
-    return false;
+int LoopFusion::MakeRoom(const Task& task) {
+  const auto is_alike = [&task](const Task& other) { return other.is_view() == task.is_view(); };
+  const int limit = task.is_view() ? options_.virtual_queue_size : options_.queue_size;
+  const double byte_limit = 1e6 * options_.queue_memory_mb;
+  int count = 1;
+  std::size_t bytes = task.bytes;
+  for (const Task& other : queue_) {
+    count += is_alike(other) ? 1 : 0;
+    bytes += is_alike(other) ? other.bytes : 0;
   }
-  queue_.erase(std::find_if(queue_.begin(), queue_.end(), is_alike));
-  return true;
+  int dropped = 0;
+  for (; count > 1 && (count > limit || static_cast<double>(bytes) > byte_limit); --count) {
+    const auto oldest = std::find_if(queue_.begin(), queue_.end(), is_alike);
+    bytes -= oldest->bytes;
+    queue_.erase(oldest);
+    ++dropped;
+  }
+  return dropped;
 }
 
 std::optional<LoopFusion::Task> LoopFusion::NextTask() {
@@ -211,7 +221,8 @@ std::optional<LoopFusion::Task> LoopFusion::NextTask() {
 
 void LoopFusion::Work() {
   while (const std::optional<Task> task = NextTask()) {
-    errors_.Guard([&] { std::visit([this](const auto& content) { Process(content); }, *task); });
+    errors_.Guard(
+        [&] { std::visit([this](const auto& content) { Process(content); }, task->content); });
     if (errors_.has_failed()) {
       return;
     }

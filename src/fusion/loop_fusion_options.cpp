@@ -9,6 +9,7 @@ std::vector<std::string> NodeOptions::Validate() const {
   const auto is_rate = [](double hertz) { return hertz > 0 && hertz <= 1000; };
   r.That(queue_size >= 1, "queue_size", queue_size, "at least 1");
   r.That(virtual_queue_size >= 1, "virtual_queue_size", virtual_queue_size, "at least 1");
+  r.That(queue_memory_mb > 0, "queue_memory_mb", queue_memory_mb, "more than 0 MB");
   r.That(drain_s >= 0 && drain_s <= 3600, "drain_s", drain_s, "0 to 3600 s");
   r.That(is_rate(path_rate_hz), "path_rate_hz", path_rate_hz, "above 0, up to 1000 Hz");
   r.That(is_rate(diagnostics_rate_hz),

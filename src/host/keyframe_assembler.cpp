@@ -16,10 +16,8 @@ constexpr std::int64_t kNanoseconds = 1000000000;
 // restart.
 constexpr std::int64_t kStretchNs = 10 * kNanoseconds;
 
-// Poses remembered to know a duplicate; calibrations remembered to find the one of a keyframe's
-// time.
+// Poses remembered to know a duplicate.
 constexpr std::size_t kPoseMemory = 8;
-constexpr std::size_t kExtrinsicMemory = 256;
 
 // What counts the drops, in the order of their reasons.
 constexpr std::array<std::int64_t AssemblerCounts::*, kEnumNames<DropReason>.size()> kDropCounts = {
@@ -28,7 +26,8 @@ constexpr std::array<std::int64_t AssemblerCounts::*, kEnumNames<DropReason>.siz
     &AssemblerCounts::duplicates,
     &AssemblerCounts::stray_stamps,
     &AssemblerCounts::overflows,
-    &AssemblerCounts::unmatched};
+    &AssemblerCounts::unmatched,
+    &AssemblerCounts::extrinsic_jumps};
 
 std::int64_t ToNanoseconds(double seconds) {
   return static_cast<std::int64_t>(std::llround(seconds * 1e9));
@@ -83,6 +82,7 @@ void KeyframeAssembler::AddImage(std::int64_t stamp_ns, ImageSource image, std::
   }
   if (owner != nullptr) {
     owner->image = std::move(image);
+    owner->image_bytes = bytes;
   } else if (!IsHopeless(key)) {
     HoldImage({key, std::move(image), bytes});
   }
@@ -120,13 +120,8 @@ void KeyframeAssembler::AddPoints(std::int64_t stamp_ns, std::vector<TrackedPoin
 }
 
 void KeyframeAssembler::AddExtrinsic(std::int64_t stamp_ns, const Rigid3& T_B_C) {
-  if (!extrinsics_.empty() && extrinsics_.back().value.t == T_B_C.t &&
-      extrinsics_.back().value.q.coeffs() == T_B_C.q.coeffs()) {
-    return;
-  }
-  extrinsics_.push_back({Key(stamp_ns), T_B_C});
-  if (extrinsics_.size() > kExtrinsicMemory) {
-    extrinsics_.pop_front();
+  if (!extrinsics_.Add(Key(stamp_ns), T_B_C)) {
+    Drop(DropReason::kExtrinsicJump, stamp_ns);
   }
 }
 
@@ -195,7 +190,10 @@ void KeyframeAssembler::Flush() {
 }
 
 void KeyframeAssembler::Drop(DropReason reason, std::int64_t stamp_ns) {
-  ++(counts_.*kDropCounts[static_cast<std::size_t>(reason)]);
+  const std::int64_t count = ++(counts_.*kDropCounts[static_cast<std::size_t>(reason)]);
+  if (reason == DropReason::kExtrinsicJump && count > 1) {
+    return;  // told once
+  }
   if (on_drop_) {
     on_drop_(reason, stamp_ns);
   }
@@ -250,6 +248,7 @@ void KeyframeAssembler::Push(Pending pending) {
   if (const auto image = std::find_if(images_.begin(), images_.end(), has_key);
       image != images_.end()) {
     pending.image = std::move(image->value);
+    pending.image_bytes = image->bytes;
     image_bytes_ -= image->bytes;
     images_.erase(image);
   }
@@ -281,7 +280,8 @@ void KeyframeAssembler::Settle() {
         head.points || is_late || head.later_points >= options_.later_messages;
     // Without an image there is nothing to wait for: points alone make no keyframe.
     const bool is_settled = image_is_settled && (points_are_settled || !head.image);
-    const bool overflows = pending_.size() > static_cast<std::size_t>(options_.max_pending);
+    const bool overflows = pending_.size() > static_cast<std::size_t>(options_.max_pending) ||
+                           static_cast<double>(PendingBytes()) > 1e6 * options_.image_memory_mb;
     if (!is_settled && !overflows) {
       return;
     }
@@ -292,6 +292,14 @@ void KeyframeAssembler::Settle() {
     pending_.pop_front();
     Resolve(std::move(resolved));
   }
+}
+
+std::size_t KeyframeAssembler::PendingBytes() const {
+  std::size_t bytes = 0;
+  for (const Pending& pending : pending_) {
+    bytes += pending.image_bytes;
+  }
+  return bytes;
 }
 
 void KeyframeAssembler::Resolve(Pending pending) {
@@ -315,8 +323,9 @@ void KeyframeAssembler::Resolve(Pending pending) {
   keyframe.stamp_ns = pending.stamp_ns;
   keyframe.T_W_B = pending.T_W_B;
   keyframe.image = std::move(pending.image);
+  keyframe.image_bytes = pending.image_bytes;
   keyframe.points = std::move(*pending.points);
-  keyframe.T_B_C = ExtrinsicFor(pending.key);
+  keyframe.T_B_C = extrinsics_.At(pending.key);
   on_keyframe_(std::move(keyframe));
 }
 
@@ -372,15 +381,6 @@ void KeyframeAssembler::PrunePoints() {
       ++points;
     }
   }
-}
-
-std::optional<Rigid3> KeyframeAssembler::ExtrinsicFor(std::int64_t key) const {
-  for (auto extrinsic = extrinsics_.rbegin(); extrinsic != extrinsics_.rend(); ++extrinsic) {
-    if (extrinsic->key <= key) {
-      return extrinsic->value;
-    }
-  }
-  return std::nullopt;
 }
 
 }  // namespace deja_view

@@ -1,6 +1,7 @@
 #include "deja_view/io/colmap.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/quote.hpp"
 #include "deja_view/camera/kannala_brandt_camera.hpp"
 #include "deja_view/camera/pinhole_camera.hpp"
 #include "deja_view/io/image_names.hpp"
@@ -131,6 +132,10 @@ std::optional<fs::path> FindModel(const fs::path& directory) {
   return std::nullopt;
 }
 
+fs::path ImagesFile(const fs::path& directory) {
+  return directory / (HasModel(directory, ".bin") ? "images.bin" : "images.txt");
+}
+
 // Drops observations of no point, or of one that the model lacks.
 void KeepObservedPoints(ColmapModel* model) {
   for (ColmapImage& image : model->images) {
@@ -165,8 +170,8 @@ ColmapModel ReadColmapModel(const fs::path& directory) {
   for (const ColmapImage& image : model.images) {
     if (model.cameras.count(image.camera) == 0) {
       ThrowInputError("{}: image {} is of camera {}, which the model lacks",
-                      found->string(),
-                      image.name,
+                      ImagesFile(*found).string(),
+                      Quote(image.name),
                       image.camera);
     }
   }
@@ -183,15 +188,15 @@ Trajectory ToTrajectory(const ColmapModel& model) {
     const auto stamp_ns = ParseImageStamp(image.name);
     if (!stamp_ns) {
       ThrowInputError("{}: image {}: expected a stamp, in nanoseconds or seconds, as its name",
-                      model.directory.string(),
-                      image.name);
+                      ImagesFile(model.directory).string(),
+                      Quote(image.name));
     }
     const auto [at, is_new] = by_stamp.emplace(*stamp_ns, &image);
     if (!is_new) {
       ThrowInputError("{}: images {} and {} have the same stamp",
-                      model.directory.string(),
-                      at->second->name,
-                      image.name);
+                      ImagesFile(model.directory).string(),
+                      Quote(at->second->name),
+                      Quote(image.name));
     }
   }
   Trajectory trajectory;

@@ -1,5 +1,6 @@
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/input_file.hpp"
+#include "deja_view/base/quote.hpp"
 
 #include <charconv>
 #include <fstream>
@@ -46,7 +47,7 @@ class Lines {
   }
 
   [[noreturn]] void Fail(const std::string& what) const {
-    ThrowInputError("{}:{}: {}, found '{}'", path_.string(), number_, what, line_.substr(0, 120));
+    ThrowInputError("{}:{}: {}, found {}", path_.string(), number_, what, Quote(line_));
   }
 
  private:

@@ -1,6 +1,7 @@
 #include "deja_view/io/config_node.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/quote.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -58,7 +59,7 @@ class Converter {
             return earlier.first == key;
           });
       if (is_repeated) {
-        ThrowInputError("{}: key '{}' appears twice", Where(entry.first), key);
+        ThrowInputError("{}: key {} appears twice", Where(entry.first), Quote(key));
       }
       ConfigNode child = Convert(entry.second, depth + 1);
       child.line = entry.first.Mark().is_null() ? child.line : entry.first.Mark().line + 1;
@@ -133,7 +134,7 @@ std::string Describe(const ConfigNode& node) {
     case ConfigNode::Kind::kScalar:
       break;
   }
-  return node.is_quoted ? QuoteYaml(node.scalar) : "'" + node.scalar + "'";
+  return node.is_quoted ? "text " + Quote(node.scalar) : Quote(node.scalar);
 }
 
 std::string QuoteYaml(const std::string& text) {

@@ -1,5 +1,7 @@
 #include "deja_view/io/options_yaml.hpp"
 
+#include "deja_view/base/quote.hpp"
+
 #include <algorithm>
 
 namespace deja_view::internal {
@@ -25,15 +27,20 @@ void OptionsReader::ReportUnknownKeys() const {
     }
     const std::string nearest = NearestWord(key, known_);
     errors_->push_back(fmt::format(
-        "{}: unknown key '{}{}'{}",
+        "{}: unknown key {}{}",
         At(file_, node.line),
-        prefix_,
-        key,
+        Quote(prefix_ + key),
         nearest.empty() ? "" : fmt::format("; did you mean '{}{}'?", prefix_, nearest)));
   }
 }
 
 void ThrowIfAny(const std::vector<std::string>& errors) {
+  constexpr std::size_t kMaxTold = 20;  // another kind of file has nothing but errors
+  if (errors.size() > kMaxTold) {
+    throw InputError(fmt::format("{}\n... and {} more",
+                                 fmt::join(errors.begin(), errors.begin() + kMaxTold, "\n"),
+                                 errors.size() - kMaxTold));
+  }
   if (!errors.empty()) {
     throw InputError(fmt::format("{}", fmt::join(errors, "\n")));
   }
@@ -42,13 +49,13 @@ void ThrowIfAny(const std::vector<std::string>& errors) {
 ConfigNode ParseOverride(const std::string& assignment) {
   const std::size_t equals = assignment.find('=');
   if (equals == std::string::npos || equals == 0) {
-    ThrowInputError("'{}': expected key=value", assignment);
+    ThrowInputError("{}: expected key=value", Quote(assignment));
   }
   const std::string value = assignment.substr(equals + 1);
   // "value: x" keeps YAML's own rules for the right-hand side: numbers, quotes, [lists].
-  ConfigNode node = ParseConfig("value: " + value, assignment);
+  ConfigNode node = ParseConfig("value: " + value, Quote(assignment));
   if (node.entries.size() != 1) {
-    ThrowInputError("'{}': expected key=value", assignment);
+    ThrowInputError("{}: expected key=value", Quote(assignment));
   }
   node = std::move(node.entries.front().second);
   node.line = 0;

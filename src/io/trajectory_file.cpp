@@ -2,6 +2,7 @@
 
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/input_file.hpp"
+#include "deja_view/base/quote.hpp"
 #include "deja_view/io/colmap.hpp"
 #include "deja_view/io/tum.hpp"
 
@@ -100,9 +101,8 @@ Trajectory ReadCsvTrajectory(const fs::path& path) {
     const std::string where = fmt::format("{}:{}", path.string(), number);
     const std::optional<Row> row = ParseRow(SplitCells(line));
     if (!row) {
-      ThrowInputError("{}: expected 'stamp_ns, tx, ty, tz, qw, qx, qy, qz, ...', found '{}'",
-                      where,
-                      line.substr(0, 120));
+      ThrowInputError(
+          "{}: expected 'stamp_ns, tx, ty, tz, qw, qx, qy, qz, ...', found {}", where, Quote(line));
     }
     internal::AppendPose(where, row->stamp_ns, row->pose, &trajectory);
   }

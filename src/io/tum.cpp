@@ -3,6 +3,7 @@
 #include "deja_view/base/atomic_file.hpp"
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/input_file.hpp"
+#include "deja_view/base/quote.hpp"
 #include "deja_view/io/seconds.hpp"
 
 #include <array>
@@ -59,10 +60,10 @@ Trajectory ReadTum(const std::filesystem::path& path) {
     const auto stamp = ParseSeconds(words[0]);
     const auto pose = words.size() == kColumns ? ParsePose(words) : std::nullopt;
     if (!stamp || !pose) {
-      ThrowInputError("{}:{}: expected 'stamp tx ty tz qx qy qz qw', found '{}'",
+      ThrowInputError("{}:{}: expected 'stamp tx ty tz qx qy qz qw', found {}",
                       path.string(),
                       number,
-                      line.substr(0, 120));
+                      Quote(line));
     }
     const std::string where = fmt::format("{}:{}", path.string(), number);
     internal::AppendPose(where, *stamp, *pose, &trajectory);

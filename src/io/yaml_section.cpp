@@ -1,5 +1,7 @@
 #include "yaml_section.hpp"
 
+#include "deja_view/base/quote.hpp"
+
 #include <cmath>
 #include <optional>
 
@@ -161,8 +163,8 @@ Eigen::Quaterniond YamlSection::ToRotation(const std::string& key, const Eigen::
 void YamlSection::Fail(const YAML::Node& node,
                        const std::string& key,
                        const std::string& expected) const {
-  const std::string found = node.IsScalar() ? node.Scalar() : "something else";
-  ThrowInputError("{}: key '{}{}': expected {}, found '{}'",
+  const std::string found = node.IsScalar() ? Quote(node.Scalar()) : "something else";
+  ThrowInputError("{}: key '{}{}': expected {}, found {}",
                   Where(path_.string(), node.Mark()),
                   prefix_,
                   key,

@@ -2,6 +2,7 @@
 
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/input_file.hpp"
+#include "deja_view/base/quote.hpp"
 
 #include <algorithm>
 #include <vector>
@@ -23,7 +24,8 @@ cv::dnn::Net ReadNetwork(const std::filesystem::path& path) {
   try {
     network = cv::dnn::readNet(path.string());
   } catch (const cv::Exception& e) {
-    ThrowInputError("{}: can't be read as a network, .pb or .onnx: {}", path.string(), e.what());
+    ThrowInputError(
+        "{}: can't be read as a network, .pb or .onnx: {}", path.string(), Quote(e.err, 200));
   }
   network.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
   return network;

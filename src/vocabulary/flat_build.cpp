@@ -1,5 +1,6 @@
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/hash.hpp"
+#include "deja_view/base/quote.hpp"
 
 #include <algorithm>
 #include <array>
@@ -24,7 +25,7 @@ struct Layout {
 void CheckTree(const VocabularyTree& tree, const std::string& source) {
   if (tree.descriptor_name != "brief" && tree.descriptor_name != "orb") {
     ThrowInputError(
-        "{}: descriptor_name: is '{}', expected brief or orb", source, tree.descriptor_name);
+        "{}: descriptor_name: is {}, expected brief or orb", source, Quote(tree.descriptor_name));
   }
   if (tree.k < 1 || tree.k > kMaxChildren) {
     ThrowInputError("{}: k: is {}, expected 1 to {}", source, tree.k, kMaxChildren);

@@ -1,5 +1,6 @@
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/hash.hpp"
+#include "deja_view/base/quote.hpp"
 
 #include <array>
 #include <cmath>
@@ -40,7 +41,7 @@ void CheckFields(const FlatHeader& header, const std::string& source) {
   const std::string_view name(header.descriptor_name,
                               ::strnlen(header.descriptor_name, sizeof(header.descriptor_name)));
   if (name != "brief" && name != "orb") {
-    ThrowInputError("{}: descriptor_name: is '{}', expected brief or orb", source, name);
+    ThrowInputError("{}: descriptor_name: is {}, expected brief or orb", source, Quote(name));
   }
   if (header.k < 1 || header.k > kMaxChildren) {
     ThrowInputError("{}: k: is {}, expected 1 to {}", source, header.k, kMaxChildren);

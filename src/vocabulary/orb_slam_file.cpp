@@ -1,5 +1,6 @@
 #include "deja_view/base/atomic_file.hpp"
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/quote.hpp"
 #include "deja_view/vocabulary/vocabulary_files.hpp"
 
 #include <charconv>
@@ -25,7 +26,7 @@ class LineReader {
     const auto result = std::from_chars(token.begin(), token.end(), value);
     if (result.ec != std::errc() || result.ptr != token.end() || value < min || value > max) {
       ThrowInputError(
-          "{}: line {}: {}: is '{}', expected {} to {}", path_, line_, field, token, min, max);
+          "{}: line {}: {}: is {}, expected {} to {}", path_, line_, field, Quote(token), min, max);
     }
     return value;
   }
@@ -35,7 +36,8 @@ class LineReader {
     char* end = nullptr;
     const double value = std::strtod(token.c_str(), &end);
     if (end != token.c_str() + token.size()) {
-      ThrowInputError("{}: line {}: {}: is '{}', expected a number", path_, line_, field, token);
+      ThrowInputError(
+          "{}: line {}: {}: is {}, expected a number", path_, line_, field, Quote(token));
     }
     return value;
   }
@@ -43,7 +45,7 @@ class LineReader {
   void End() {
     SkipBlanks();
     if (!text_.empty()) {
-      ThrowInputError("{}: line {}: '{}' after the last field", path_, line_, text_.substr(0, 20));
+      ThrowInputError("{}: line {}: {} after the last field", path_, line_, Quote(text_, 20));
     }
   }
 

@@ -1,6 +1,5 @@
 // Whatever a message holds: a conversion either succeeds or throws InputError, and the assembler
-// copes. With clang's libFuzzer (DEJA_VIEW_FUZZ) this explores; without, main() runs random
-// messages from a fixed seed.
+// copes.
 
 #include "deja_view/base/check.hpp"
 #include "deja_view/host/keyframe_assembler.hpp"
@@ -11,11 +10,11 @@
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
-#include <iostream>
 #include <random>
 #include <string>
 #include <vector>
 
+#include "fuzz.hpp"
 #include <boost/make_shared.hpp>
 
 namespace {
@@ -159,7 +158,20 @@ void FeedOne(Bytes* bytes, KeyframeAssembler* assembler) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+namespace deja_view::fuzz {
+
+std::vector<std::string> Seeds() {
+  std::mt19937 random(1);
+  std::vector<std::string> seeds(20, std::string(2000, '\0'));
+  for (std::string& seed : seeds) {
+    for (char& byte : seed) {
+      byte = static_cast<char>(random());
+    }
+  }
+  return seeds;
+}
+
+void RunOne(const std::string& input) {
   std::int64_t keyframes = 0;
   KeyframeAssemblerOptions options;
   options.image_memory_mb = 1e-3;
@@ -172,7 +184,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         ++keyframes;
       },
       nullptr);
-  Bytes bytes(data, size);
+  Bytes bytes(reinterpret_cast<const std::uint8_t*>(input.data()), input.size());
   while (!bytes.empty()) {
     try {
       FeedOne(&bytes, &assembler);
@@ -183,21 +195,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   assembler.Flush();
   const AssemblerCounts& counts = assembler.counts();
   Expect(counts.keyframes == keyframes && keyframes <= counts.images && keyframes <= counts.poses);
-  return 0;
 }
 
-#ifndef DEJA_VIEW_LIBFUZZER
-int main() {
-  constexpr int kRuns = 3000;
-  std::mt19937 random(1);
-  for (int run = 0; run < kRuns; ++run) {
-    std::vector<std::uint8_t> input(2000);
-    for (std::uint8_t& byte : input) {
-      byte = static_cast<std::uint8_t>(random());
-    }
-    LLVMFuzzerTestOneInput(input.data(), input.size());
-  }
-  std::cout << kRuns << " streams of random messages\n";
-  return 0;
-}
-#endif
+}  // namespace deja_view::fuzz

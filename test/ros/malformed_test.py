@@ -9,7 +9,7 @@ import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 
-from flight import IMAGE, POINTS, POSE, Flight, NodeOutputs, wait_until
+from flight import EXTRINSIC, IMAGE, POINTS, POSE, Flight, NodeOutputs, wait_until
 
 SPEED = 2.0
 
@@ -18,14 +18,17 @@ class Saboteur:
     """Breaks one message in about thirty, each in another way, and remembers what must come of it."""
 
     def __init__(self):
-        self.count = {IMAGE: 0, POINTS: 0, POSE: 0}
+        self.count = {IMAGE: 0, POINTS: 0, POSE: 0, EXTRINSIC: 0}
         self.lost = set()  # stamps of keyframes that can't be used
         self.done = set()
+        self.jumps = 0  # of the calibration
 
     def __call__(self, topic, message):
         if topic not in self.count:
             return [(topic, message)]
         self.count[topic] += 1
+        if topic == EXTRINSIC:
+            return self.with_jump(topic, message)
         damage = {
             (POINTS, 20): self.too_few_channels,
             (POINTS, 50): self.too_few_values,
@@ -37,6 +40,7 @@ class Saboteur:
             (IMAGE, 65): self.unknown_encoding,
             (IMAGE, 95): self.cut_off,
             (IMAGE, 125): self.missing,
+            (IMAGE, 155): self.huge,
         }.get((topic, self.count[topic]))
         if damage is None:
             return [(topic, message)]
@@ -76,6 +80,19 @@ class Saboteur:
         message.data = bytes(64 * 48)
         return [(topic, message)]
 
+    def huge(self, topic, message):
+        self.lost.add(message.header.stamp)
+        message.width = message.height = message.step = 8192
+        message.data = bytes(8192 * 8192)
+        return [(topic, message)]
+
+    def with_jump(self, topic, message):
+        absurd = copy.deepcopy(message)
+        absurd.pose.pose.position.x += self.count[topic]
+        absurd.pose.pose.orientation = message.pose.pose.orientation.__class__(0, 0, 0, 1)
+        self.jumps += 1
+        return [(topic, message), (topic, absurd)]
+
     def unknown_encoding(self, topic, message):
         self.lost.add(message.header.stamp)
         message.encoding = "bayer_fancy12"
@@ -98,7 +115,7 @@ class MalformedTest(unittest.TestCase):
         flight.wait_for_node()
         saboteur = Saboteur()
         flight.play(SPEED, saboteur)
-        self.assertEqual(len(saboteur.done), 10)
+        self.assertEqual(len(saboteur.done), 11)
 
         stamps = flight.keyframe_stamps()
         outputs.wait_for_keyframe(stamps[-1])
@@ -117,10 +134,11 @@ class MalformedTest(unittest.TestCase):
             return {v.key: v.value for v in statuses[-1].values} if statuses else {}
 
         wait_until(lambda: values().get("keyframes") == str(len(path.poses)), 10.0, "diagnostics")
-        # Two point clouds, the pose, the encoding and the cut image can't be read; the small image is
-        # refused by the loop closer.
-        self.assertEqual(values()["bad messages"], "5")
-        self.assertEqual(values()["keyframes refused"], "1")
+        # Two point clouds, the pose, the encoding, the cut image, the small one and the huge one.
+        self.assertEqual(values()["bad messages"], "7")
+        self.assertEqual(values()["keyframes refused"], "0")
+        self.assertGreater(saboteur.jumps, 0)
+        self.assertEqual(values()["dropped: extrinsic_jump"], str(saboteur.jumps))
         self.assertEqual(values()["dropped: stray_stamp"], "2")
 
 

@@ -88,7 +88,7 @@ class LoopFusion {
   /// Body pose at any stamp; passed over where the host has keyframes of its own.
   void AddOdometry(std::int64_t stamp_ns, const Rigid3& T_W_B);
   void AddRelativePose(const RelativePoseUpdate& update);
-  void AddVirtualView(VirtualViewSource view);
+  void AddVirtualView(VirtualViewSource view, std::size_t bytes);
 
   /// T_M_W after the newest keyframe; never waits for one.
   Rigid3 drift() const;
@@ -111,11 +111,16 @@ class LoopFusion {
   static std::future<void> RunBeside(std::function<void()> solve);
 
  private:
-  using Task = std::variant<AssembledKeyframe, RelativePoseUpdate, VirtualViewSource>;
+  using Content = std::variant<AssembledKeyframe, RelativePoseUpdate, VirtualViewSource>;
+  struct Task {
+    Content content;
+    std::size_t bytes = 0;  ///< that its images hold
+    bool is_view() const { return std::holds_alternative<VirtualViewSource>(content); }
+  };
 
   void Enqueue(Task task);
-  /// Drops the oldest task of the kind that is too many; false when there is room.
-  bool MakeRoom(const Task& task);
+  /// Drops the oldest tasks of the kind of which there are too many; how many.
+  int MakeRoom(const Task& task);
   std::optional<Task> NextTask();
   void Work();
   void Process(const AssembledKeyframe& keyframe);

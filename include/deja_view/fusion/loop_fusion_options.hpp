@@ -13,6 +13,8 @@ namespace deja_view {
 struct NodeOptions {
   int queue_size = 100;  ///< keyframes that wait for the loop closer; more: the oldest is dropped
   int virtual_queue_size = 400;  ///< of these, virtual views; more: the oldest view is dropped
+  double queue_memory_mb = 500;  ///< [MB] of the images of keyframes, and of views, that wait;
+                                 ///< more: the oldest is dropped
   double drain_s = 8.0;  ///< [s] for the keyframes that still wait when the node is told to stop
   double path_rate_hz = 5.0;  ///< [Hz] of paths and the pose graph's markers, when they changed
   double diagnostics_rate_hz = 1.0;  ///< [Hz]
@@ -26,6 +28,7 @@ struct NodeOptions {
   void Visit(Visitor& v) {
     v("queue_size", queue_size);
     v("virtual_queue_size", virtual_queue_size);
+    v("queue_memory_mb", queue_memory_mb);
     v("drain_s", drain_s);
     v("path_rate_hz", path_rate_hz);
     v("diagnostics_rate_hz", diagnostics_rate_hz);

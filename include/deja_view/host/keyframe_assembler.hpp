@@ -2,6 +2,7 @@
 
 #include "deja_view/base/enum_names.hpp"
 #include "deja_view/geometry/rigid3.hpp"
+#include "deja_view/host/extrinsic_history.hpp"
 #include "deja_view/host/image_source.hpp"
 #include "deja_view/host/keyframe_input.hpp"
 #include "deja_view/host/restart_detector.hpp"
@@ -53,6 +54,7 @@ struct AssembledKeyframe {
   bool starts_sequence = false;      ///< after a pause of the image stream or a restart of the VIO
   bool is_restart = false;           ///< the latter
   ImageSource image;                 ///< never empty
+  std::size_t image_bytes = 0;       ///< that the source holds in memory
   std::vector<TrackedPoint> points;  ///< empty when the point message is missing
   std::optional<Rigid3> T_B_C;       ///< newest calibration up to this keyframe's stamp, if any
 
@@ -68,11 +70,17 @@ enum class DropReason {
   kStrayStamp,     ///< a pose whose stamp does not fit between its neighbours'
   kOverflow,       ///< a bound of the options was reached before the missing message came
   kUnmatched,      ///< points to which no keyframe pose came
+  kExtrinsicJump,  ///< a calibration too far from the one before; told once, then only counted
 };
 
 template <>
-inline constexpr auto kEnumNames<DropReason> = EnumNames(
-    "missing_image", "missing_points", "duplicate", "stray_stamp", "overflow", "unmatched");
+inline constexpr auto kEnumNames<DropReason> = EnumNames("missing_image",
+                                                         "missing_points",
+                                                         "duplicate",
+                                                         "stray_stamp",
+                                                         "overflow",
+                                                         "unmatched",
+                                                         "extrinsic_jump");
 
 /// How many messages came and what became of them.
 struct AssemblerCounts {
@@ -87,6 +95,7 @@ struct AssemblerCounts {
   std::int64_t stray_stamps = 0;
   std::int64_t overflows = 0;
   std::int64_t unmatched = 0;
+  std::int64_t extrinsic_jumps = 0;
 };
 
 /// Puts images, keyframe poses and keyframe points of the same stamp together, in any order of
@@ -117,6 +126,7 @@ class KeyframeAssembler {
   void AddImage(std::int64_t stamp_ns, ImageSource image, std::size_t bytes);
   void AddPose(std::int64_t stamp_ns, const Rigid3& T_W_B);
   void AddPoints(std::int64_t stamp_ns, std::vector<TrackedPoint> points);
+  /// One that jumps is dropped (ExtrinsicHistory).
   void AddExtrinsic(std::int64_t stamp_ns, const Rigid3& T_B_C);
 
   /// End of the stream: hands on what is complete enough and drops the rest.
@@ -144,6 +154,7 @@ class KeyframeAssembler {
     Rigid3 T_W_B;
     bool is_restart = false;
     ImageSource image;
+    std::size_t image_bytes = 0;
     std::optional<std::vector<TrackedPoint>> points;
     int later_images = 0;  ///< messages after this pose with later stamps
     int later_points = 0;
@@ -165,7 +176,7 @@ class KeyframeAssembler {
   void HoldImage(HeldImage image);
   void PruneImages();
   void PrunePoints();
-  std::optional<Rigid3> ExtrinsicFor(std::int64_t key) const;
+  std::size_t PendingBytes() const;
 
   KeyframeAssemblerOptions options_;
   KeyframeCallback on_keyframe_;
@@ -175,7 +186,7 @@ class KeyframeAssembler {
   std::deque<HeldImage> images_;  ///< in order of arrival
   std::size_t image_bytes_ = 0;   ///< of these
   std::deque<Stamped<std::vector<TrackedPoint>>> points_;
-  std::deque<Stamped<Rigid3>> extrinsics_;
+  ExtrinsicHistory extrinsics_;
   std::deque<Pending> pending_;
   std::optional<Pending> suspect_;       ///< pose whose stamp went back
   std::deque<std::int64_t> pose_keys_;   ///< newest accepted poses

@@ -2,6 +2,7 @@
 
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/enum_names.hpp"
+#include "deja_view/base/quote.hpp"
 #include "deja_view/base/requirements.hpp"
 #include "deja_view/io/config_node.hpp"
 
@@ -324,7 +325,7 @@ void ParseOptions(const std::string& text, const std::string& name, Options* opt
 template <typename Options>
 void OverrideOption(const std::string& assignment, Options* options) {
   Options result = *options;
-  internal::ApplyConfig(internal::ParseOverride(assignment), assignment, &result);
+  internal::ApplyConfig(internal::ParseOverride(assignment), Quote(assignment), &result);
   *options = std::move(result);
 }
 

@@ -1,5 +1,6 @@
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/input_file.hpp"
+#include "deja_view/base/quote.hpp"
 #include "deja_view/io/tum.hpp"
 #include "deja_view/lab/report/run.hpp"
 
@@ -75,11 +76,11 @@ class Row {
   }
   void Expect(std::size_t column, bool condition, const char* expected) const {
     if (!condition) {
-      ThrowInputError("{}:{}: {} is '{}', expected {}",
+      ThrowInputError("{}:{}: {} is {}, expected {}",
                       path_.string(),
                       line_,
                       kColumns.at(column),
-                      Text(column),
+                      Quote(Text(column)),
                       expected);
     }
   }

@@ -19,11 +19,14 @@ namespace {
 
 cv::Mat DecodeMessage(const rosbag::MessageInstance& instance) {
   if (instance.getDataType() == "sensor_msgs/Image") {
-    return FromImage(
-        Instantiate<sensor_msgs::Image>(instance), instance.getTopic(), PixelKind::kColor)();
+    return FromImage(Instantiate<sensor_msgs::Image>(instance),
+                     instance.getTopic(),
+                     cv::Size(),
+                     PixelKind::kColor)();
   }
   return FromCompressedImage(Instantiate<sensor_msgs::CompressedImage>(instance),
                              instance.getTopic(),
+                             cv::Size(),
                              PixelKind::kColor)();
 }
 

@@ -136,12 +136,13 @@ class Replay {
     if (bag.TypeOf(topics_.image) == "sensor_msgs/Image") {
       handlers_[topics_.image] = [this](const rosbag::MessageInstance& instance) {
         const auto message = Instantiate<sensor_msgs::Image>(instance);
-        AddImage(*message, FromImage(message, instance.getTopic()));
+        AddImage(*message, FromImage(message, instance.getTopic(), callbacks_.image_size));
       };
     } else {
       handlers_[topics_.image] = [this](const rosbag::MessageInstance& instance) {
         const auto message = Instantiate<sensor_msgs::CompressedImage>(instance);
-        AddImage(*message, FromCompressedImage(message, instance.getTopic()));
+        AddImage(*message,
+                 FromCompressedImage(message, instance.getTopic(), callbacks_.image_size));
       };
     }
   }

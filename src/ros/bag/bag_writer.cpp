@@ -2,23 +2,17 @@
 
 #include <system_error>
 
-#include <unistd.h>
-
 namespace deja_view {
 
 namespace fs = std::filesystem;
 
-BagWriter::BagWriter(const fs::path& path)
-    : path_(path), temporary_(path.string() + ".tmp" + std::to_string(::getpid())) {
+BagWriter::BagWriter(const fs::path& path) : path_(path), temporary_(path) {
   std::error_code error;
-  if (path.has_parent_path()) {
-    fs::create_directories(path.parent_path(), error);
-  }
   if (fs::is_directory(path, error)) {
     ThrowUnwritable("it is a directory");
   }
   try {
-    bag_.open(temporary_.string(), rosbag::bagmode::Write);
+    bag_.open(temporary_.path().string(), rosbag::bagmode::Write);
     is_open_ = true;
   } catch (const rosbag::BagException& e) {
     ThrowUnwritable(e.what());
@@ -34,8 +28,6 @@ BagWriter::~BagWriter() {
   } catch (const std::exception&) {
     // The file goes anyway.
   }
-  std::error_code error;
-  fs::remove(temporary_, error);
 }
 
 void BagWriter::Copy(const rosbag::MessageInstance& instance) {
@@ -50,8 +42,8 @@ void BagWriter::Close() {
   DEJA_VIEW_CHECK(is_open_);
   try {
     bag_.close();
-    fs::rename(temporary_, path_);
     is_open_ = false;
+    temporary_.Rename();
   } catch (const std::exception& e) {
     ThrowUnwritable(e.what());
   }

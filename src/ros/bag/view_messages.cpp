@@ -1,6 +1,7 @@
 #include "view_messages.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/quote.hpp"
 #include "deja_view/ros/messages/virtual_frame_conversion.hpp"
 
 #include <cstdio>
@@ -68,7 +69,7 @@ void ParseSubMap(const std::string& path, PartLabel* label) {
   const std::size_t end = text.find('\n');
   if (found != 2 || length == 0 || end == std::string::npos || sub_map.count < 2 ||
       sub_map.index < 0 || sub_map.index >= sub_map.count) {
-    ThrowInputError("{}: '{}': expected '# sub-map i of n: settings'", path, text.substr(0, 80));
+    ThrowInputError("{}: {}: expected '# sub-map i of n: settings'", path, Quote(text));
   }
   label->sub_map_settings = text.substr(at, end - at);
   text.erase(0, end + 1);
@@ -122,9 +123,9 @@ PartLabel ParseLabel(const std::string& text, const std::string& path) {
   const auto at = static_cast<std::size_t>(length);
   if (found != 3 || at >= text.size() || text[at] != '\n' || label.shard.count < 1 ||
       label.shard.index < 0 || label.shard.index >= label.shard.count) {
-    ThrowInputError("{}: settings that begin with '{}': expected a part that views render made",
+    ThrowInputError("{}: settings that begin with {}: expected a part that views render made",
                     path,
-                    text.substr(0, text.find('\n')).substr(0, 80));
+                    Quote(text.substr(0, text.find('\n'))));
   }
   label.job_hash = hash;
   label.settings = text.substr(at + 1);

@@ -10,6 +10,9 @@
 #include <string>
 #include <utility>
 
+#include "message_layout.hpp"
+
+#include <ros/message_traits.h>
 #include <ros/serialization.h>
 
 namespace deja_view {
@@ -53,19 +56,28 @@ std::string Serialize(const std::vector<VirtualFrame>& frames) {
   return bytes;
 }
 
-// The hash of the bytes holds: they are what Serialize wrote.
-std::vector<VirtualFrame> Deserialize(std::string bytes, std::int32_t count) {
-  std::vector<VirtualFrame> frames(static_cast<std::size_t>(count));
+// Nothing when the bytes are not `count` messages.
+std::optional<std::vector<VirtualFrame>> Deserialize(std::string bytes, std::int32_t count) {
+  static const internal::MessageLayout layout(ros::message_traits::datatype<VirtualFrame>(),
+                                              ros::message_traits::definition<VirtualFrame>());
+  std::vector<VirtualFrame> frames;
   std::size_t at = 0;
-  for (VirtualFrame& frame : frames) {
+  for (std::int32_t i = 0; i < count; ++i) {
     std::uint32_t size = 0;
+    if (bytes.size() - at < sizeof(size)) {
+      return std::nullopt;
+    }
     std::memcpy(&size, bytes.data() + at, sizeof(size));
     at += sizeof(size);
-    ros::serialization::IStream stream(reinterpret_cast<std::uint8_t*>(bytes.data() + at), size);
-    ros::serialization::deserialize(stream, frame);
+    auto* data = reinterpret_cast<std::uint8_t*>(bytes.data() + at);
+    if (bytes.size() - at < size || !layout.FindOverrun(data, size).empty()) {
+      return std::nullopt;
+    }
+    ros::serialization::IStream stream(data, size);
+    ros::serialization::deserialize(stream, frames.emplace_back());
     at += size;
   }
-  return frames;
+  return at == bytes.size() ? std::make_optional(std::move(frames)) : std::nullopt;
 }
 
 }  // namespace
@@ -116,7 +128,11 @@ std::optional<SourceResult> ViewStore::Read(std::int64_t stamp_ns) const {
   result.is_recognised = header.is_recognised != 0;
   result.not_free = header.not_free;
   result.uncertain = header.uncertain;
-  result.frames = Deserialize(std::move(body), header.frames);
+  std::optional<std::vector<VirtualFrame>> frames = Deserialize(std::move(body), header.frames);
+  if (!frames) {
+    return std::nullopt;
+  }
+  result.frames = std::move(*frames);
   return result;
 }
 

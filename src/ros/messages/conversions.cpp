@@ -2,6 +2,8 @@
 
 #include "deja_view/base/angles.hpp"
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/quote.hpp"
+#include "deja_view/io/encoded_image.hpp"
 
 #include <array>
 #include <cmath>
@@ -19,6 +21,7 @@ namespace {
 constexpr std::int64_t kNanoseconds = 1000000000;
 constexpr std::size_t kPointChannels = 5;  // x_n, y_n, u, v, feature id
 constexpr std::uint32_t kMaxImageSide = 32768;
+constexpr std::int64_t kMaxEncodedPixels = std::int64_t{1} << 26;
 
 struct Encoding {
   const char* name;
@@ -45,9 +48,9 @@ const Encoding& FindEncoding(const std::string& name, const std::string& topic) 
     }
   }
   ThrowInputError(
-      "{}: image encoding '{}': expected mono8, 8UC1, rgb8, bgr8, rgba8, bgra8, mono16 or 16UC1",
+      "{}: image encoding {}: expected mono8, 8UC1, rgb8, bgr8, rgba8, bgra8, mono16 or 16UC1",
       topic,
-      name);
+      Quote(name));
 }
 
 void CheckImageSize(const sensor_msgs::Image& image, int type, const std::string& topic) {
@@ -77,6 +80,44 @@ void CheckImageSize(const sensor_msgs::Image& image, int type, const std::string
                     image.height,
                     image.step);
   }
+}
+
+void CheckSizeIs(cv::Size found, cv::Size expected, const std::string& topic) {
+  if (!expected.empty() && found != expected) {
+    ThrowInputError("{}: image of {} x {} px: expected {} x {}, the camera's",
+                    topic,
+                    found.width,
+                    found.height,
+                    expected.width,
+                    expected.height);
+  }
+}
+
+[[noreturn]] void ThrowUndecodable(const sensor_msgs::CompressedImage& image,
+                                   const std::string& topic) {
+  ThrowInputError("{}: {} bytes of format {} can't be decoded: expected JPEG or PNG",
+                  topic,
+                  image.data.size(),
+                  Quote(image.format));
+}
+
+// A few bytes may state a size that would take gigabytes to decode.
+cv::Size CheckedEncodedSize(const sensor_msgs::CompressedImage& image, const std::string& topic) {
+  if (image.data.empty()) {
+    ThrowInputError("{}: compressed image without data: expected JPEG or PNG", topic);
+  }
+  const cv::Size size = EncodedSize(image.data);
+  if (size.empty()) {
+    ThrowUndecodable(image, topic);
+  }
+  if (std::int64_t{size.width} * size.height > kMaxEncodedPixels) {
+    ThrowInputError("{}: image of {} x {} px: expected at most {} px",
+                    topic,
+                    size.width,
+                    size.height,
+                    kMaxEncodedPixels);
+  }
+  return size;
 }
 
 cv::Mat Grey16(const cv::Mat& image, bool is_bigendian) {
@@ -254,18 +295,19 @@ sensor_msgs::PointCloud ToMatchPoints(const Relocalisation& relocalisation,
 
 ImageSource FromImage(const sensor_msgs::ImageConstPtr& message,
                       const std::string& topic,
+                      cv::Size size,
                       PixelKind kind) {
   const Encoding& encoding = FindEncoding(message->encoding, topic);
   CheckImageSize(*message, encoding.type, topic);
+  CheckSizeIs({static_cast<int>(message->width), static_cast<int>(message->height)}, size, topic);
   return [message, &encoding, kind] { return Decode(*message, encoding, kind); };
 }
 
 ImageSource FromCompressedImage(const sensor_msgs::CompressedImageConstPtr& message,
                                 const std::string& topic,
+                                cv::Size size,
                                 PixelKind kind) {
-  if (message->data.empty()) {
-    ThrowInputError("{}: compressed image without data: expected JPEG or PNG", topic);
-  }
+  CheckSizeIs(CheckedEncodedSize(*message, topic), size, topic);
   return [message, topic, kind] {
     cv::Mat image;
     try {
@@ -275,10 +317,7 @@ ImageSource FromCompressedImage(const sensor_msgs::CompressedImageConstPtr& mess
       image.release();
     }
     if (image.empty()) {
-      ThrowInputError("{}: {} bytes of format '{}' can't be decoded: expected JPEG or PNG",
-                      topic,
-                      message->data.size(),
-                      message->format);
+      ThrowUndecodable(*message, topic);
     }
     return image;
   };

@@ -1,6 +1,7 @@
 #include "deja_view/ros/messages/virtual_frame_conversion.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/quote.hpp"
 #include "deja_view/camera/camera_parameters.hpp"
 #include "deja_view/io/encoded_image.hpp"
 #include "deja_view/ros/messages/conversions.hpp"
@@ -15,6 +16,7 @@ namespace {
 
 constexpr std::size_t kMaxKeypoints = 65535;
 constexpr int kMaxSide = 32768;
+constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 26;
 
 cv::Size SizeOf(const Camera& camera) {
   return {camera.width(), camera.height()};
@@ -69,12 +71,20 @@ std::shared_ptr<const Camera> ReadCamera(const VirtualFrame& message, const std:
   const auto to_side = [](std::uint32_t side) {
     return static_cast<int>(std::min<std::uint32_t>(side, kMaxSide + 1));
   };
-  return MakeCamera({message.camera_model,
-                     to_side(message.width),
-                     to_side(message.height),
-                     message.distortion,
-                     message.projection},
-                    topic);
+  auto camera = MakeCamera({message.camera_model,
+                            to_side(message.width),
+                            to_side(message.height),
+                            message.distortion,
+                            message.projection},
+                           topic);
+  if (std::uint64_t{message.width} * message.height > kMaxPixels) {
+    ThrowInputError("{}: camera of {} x {} px: expected at most {} px",
+                    topic,
+                    message.width,
+                    message.height,
+                    kMaxPixels);
+  }
+  return camera;
 }
 
 void CheckIndices(const VirtualFrame& message, const std::string& topic) {
@@ -93,7 +103,7 @@ void ReadImages(const VirtualFrame& message, const std::string& topic, VirtualVi
   if (!message.image.empty()) {
     if (!EnumFromString<ImageFormat>(message.image_format)) {
       ThrowInputError(
-          "{}: image_format '{}': expected jpeg or png", topic, message.image_format.substr(0, 64));
+          "{}: image_format {}: expected jpeg or png", topic, Quote(message.image_format));
     }
     view->image = DecodeImage(message.image, size, CV_8UC1, topic, "image");
   }
@@ -153,9 +163,8 @@ void CheckKeypoint(const VirtualFrame& message, std::size_t i, const std::string
 
 VirtualFeatures ReadFeatures(const VirtualFrame& message, const std::string& topic) {
   if (!message.descriptor.empty() && message.descriptor != "brief" && message.descriptor != "orb") {
-    ThrowInputError("{}: descriptor '{}': expected brief or orb, or nothing",
-                    topic,
-                    message.descriptor.substr(0, 64));
+    ThrowInputError(
+        "{}: descriptor {}: expected brief or orb, or nothing", topic, Quote(message.descriptor));
   }
   if (message.descriptor.empty() && !message.u.empty()) {
     ThrowInputError(

@@ -30,6 +30,7 @@ void AddDrops(const AssemblerCounts& counts, diagnostic_updater::DiagnosticStatu
   status.add("dropped: stray_stamp", counts.stray_stamps);
   status.add("dropped: overflow", counts.overflows);
   status.add("dropped: unmatched", counts.unmatched);
+  status.add("dropped: extrinsic_jump", counts.extrinsic_jumps);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/input_file.hpp"
+#include "deja_view/base/output_lock.hpp"
 #include "deja_view/fusion/result_files.hpp"
 #include "deja_view/io/options_yaml.hpp"
 #include "deja_view/ros/messages/any_pose.hpp"
@@ -97,10 +98,13 @@ LoopCloser LoopFusionNode::MakeLoopCloser() const {
 void LoopFusionNode::LoadAtStart() {
   // Better now than after the flight.
   if (!parameters_.save_map_at_end.empty()) {
-    CheckWritable(maps_.Resolve(parameters_.save_map_at_end).parent_path());
+    const auto map = maps_.Resolve(parameters_.save_map_at_end);
+    CheckWritable(map.parent_path());
+    locks_.push_back(OutputLock::OfFile(map));
   }
   if (!parameters_.output_directory.empty()) {
     CheckWritable(parameters_.output_directory);
+    locks_.push_back(OutputLock::OfDirectory(parameters_.output_directory));
   }
   if (!parameters_.load_map_at_start.empty()) {
     Load(maps_.ResolveExisting(parameters_.load_map_at_start));
@@ -199,15 +203,11 @@ void LoopFusionNode::Subscribe() {
 }
 
 void LoopFusionNode::OnImage(const sensor_msgs::ImageConstPtr& message) {
-  fusion_->AddImage(ToNanoseconds(message->header.stamp),
-                    FromImage(message, parameters_.topics.image),
-                    message->data.size());
+  AddImage(*message, FromImage(message, parameters_.topics.image, ImageSize()));
 }
 
 void LoopFusionNode::OnCompressedImage(const sensor_msgs::CompressedImageConstPtr& message) {
-  fusion_->AddImage(ToNanoseconds(message->header.stamp),
-                    FromCompressedImage(message, parameters_.topics.image),
-                    message->data.size());
+  AddImage(*message, FromCompressedImage(message, parameters_.topics.image, ImageSize()));
 }
 
 void LoopFusionNode::OnKeyframePose(const nav_msgs::OdometryConstPtr& message) {
@@ -259,11 +259,10 @@ void LoopFusionNode::OnRelativePose(const nav_msgs::OdometryConstPtr& message) {
 }
 
 void LoopFusionNode::OnVirtualFrame(const VirtualFrameConstPtr& message) {
-  fusion_->AddVirtualView([message,
-                           topic = parameters_.topics.virtual_frame,
-                           sufficient = options_.loop_closer.SufficientViewFeatures()] {
-    return FromVirtualFrame(*message, topic, sufficient);
-  });
+  const auto decode = [this, message, sufficient = options_.loop_closer.SufficientViewFeatures()] {
+    return FromVirtualFrame(*message, parameters_.topics.virtual_frame, sufficient);
+  };
+  fusion_->AddVirtualView(decode, ros::serialization::serializationLength(*message));
 }
 
 bool LoopFusionNode::SaveMap(NamedMap::Request& request, NamedMap::Response& response) {

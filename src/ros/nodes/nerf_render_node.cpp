@@ -151,7 +151,7 @@ void NerfRenderNode::OnImage(const sensor_msgs::ImageConstPtr& message) {
   errors_.Guard([&] {
     queue_->AddImage(ToNanoseconds(message->header.stamp),
                      message->header.frame_id,
-                     FromImage(message, image_topic_));
+                     FromImage(message, image_topic_, ImageSize()));
   });
 }
 
@@ -159,7 +159,7 @@ void NerfRenderNode::OnCompressedImage(const sensor_msgs::CompressedImageConstPt
   errors_.Guard([&] {
     queue_->AddImage(ToNanoseconds(message->header.stamp),
                      message->header.frame_id,
-                     FromCompressedImage(message, image_topic_));
+                     FromCompressedImage(message, image_topic_, ImageSize()));
   });
 }
 

@@ -1,5 +1,7 @@
 #include "bundle/bundle_command.hpp"
 
+#include "deja_view/base/output_lock.hpp"
+
 #include <iostream>
 #include <memory>
 
@@ -40,6 +42,7 @@ void AddBundleCommand(CLI::App& app, Command* command) {
   sub->callback([=] {
     *command = [=] {
       try {
+        const OutputLock lock = OutputLock::OfDirectory(request->out);
         const nlohmann::ordered_json json = RunBundle(*request);
         std::cout << json.dump(2) << "\n";
         if (!json.value("interrupted", false)) {

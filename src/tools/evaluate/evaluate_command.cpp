@@ -1,4 +1,5 @@
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/output_lock.hpp"
 
 #include <iostream>
 #include <memory>
@@ -102,6 +103,7 @@ void AddEvaluateCommand(CLI::App& app, Command* command) {
       for (const std::string& text : *extra) {
         request->extra.push_back(SplitName("--variant", text));
       }
+      const OutputLock lock = OutputLock::OfDirectory(request->out);
       const std::filesystem::path file =
           json_file->empty() ? request->out / "evaluation.json" : std::filesystem::path(*json_file);
       return Report([&] { return RunEvaluate(*request); }, file.string(), PrintTable);

@@ -1,5 +1,7 @@
 #include "map/map_command.hpp"
 
+#include "deja_view/base/output_lock.hpp"
+
 #include <iostream>
 #include <memory>
 
@@ -41,6 +43,7 @@ void AddMapCommand(CLI::App& app, Command* command) {
   sub->callback([=] {
     *command = [=] {
       try {
+        const OutputLock lock = OutputLock::OfDirectory(request->out);
         const nlohmann::ordered_json json = RunMap(*request);
         WriteJson(*json_file, json);
         std::cout << json.dump(2) << "\n";

@@ -1,4 +1,5 @@
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/output_lock.hpp"
 #include "deja_view/base/progress.hpp"
 #include "deja_view/io/colmap.hpp"
 #include "deja_view/io/tum.hpp"
@@ -266,6 +267,7 @@ bool TrainOrTell(const NerfTrainRequest& request,
 Json RunNerfTrain(const NerfTrainRequest& request) {
   const auto start = Clock::now();
   const Interrupt interrupt;
+  const OutputLock lock = OutputLock::OfFile(request.out);
   const nerf::TrainOptions options =
       ReadTrainOptions(request.config, request.overrides, request.threads);
   Beginning beginning = Begin(request);

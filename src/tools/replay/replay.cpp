@@ -82,6 +82,7 @@ void Play(const ReplayRequest& request,
     };
   }
   const VinsConfig vins = ReadVinsConfig(request.camera);
+  callbacks.image_size = {vins.camera->width(), vins.camera->height()};
   result->bag = ReplayBag(request.bag,
                           request.virtual_bag,
                           request.host.Topics(vins, request.camera),

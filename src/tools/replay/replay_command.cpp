@@ -1,6 +1,10 @@
+#include "deja_view/base/output_lock.hpp"
 
+#include <algorithm>
 #include <iostream>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "common/commands.hpp"
 #include "common/problem_lines.hpp"
@@ -41,18 +45,40 @@ void PrintTable(const ReplayResult& r, const Json& json, const ReplayVerdict& ve
                    r.mean_times.query,
                    r.mean_times.verification,
                    r.mean_times.graph);
-  for (const std::string& problem : ProblemLines(r.problems)) {
-    std::cerr << "warning: " << problem << "\n";
+}
+
+// A bag's topic may spoil every message in a way of its own.
+void PrintProblems(const std::vector<std::string>& problems, bool is_quiet) {
+  const std::vector<std::string> kinds = ProblemLines(problems);
+  const std::size_t shown = std::min<std::size_t>(kinds.size(), is_quiet ? 1 : 5);
+  for (std::size_t i = 0; i < shown; ++i) {
+    std::cerr << "warning: " << kinds[i];
+    if (i + 1 == shown && shown < kinds.size()) {
+      std::cerr << fmt::format(" (and {} more; the figures count them)", kinds.size() - shown);
+    }
+    std::cerr << "\n";
   }
 }
 
+std::vector<OutputLock> LockOutputs(const ReplayRequest& request) {
+  std::vector<OutputLock> locks;
+  for (const auto& directory : {request.out, request.save_map}) {
+    if (!directory.empty()) {
+      locks.push_back(OutputLock::OfDirectory(directory));
+    }
+  }
+  return locks;
+}
+
 Json Replay(const ReplayRequest& request) {
+  const std::vector<OutputLock> locks = LockOutputs(request);
   const ReplayJudge judge(request);
   const ReplayResult result = RunReplay(request);
   const ReplayVerdict verdict = judge.Judge(result);
   Json json = ToJson(result);
   json.update(verdict.figures);
   PrintTable(result, json, verdict);
+  PrintProblems(result.problems, !request.show_progress);
   return json;
 }
 

@@ -1,3 +1,4 @@
+#include "deja_view/base/output_lock.hpp"
 #include "deja_view/lab/sim/exact_views.hpp"
 #include "deja_view/lab/sim/options.hpp"
 
@@ -92,6 +93,7 @@ void AddOutputOptions(CLI::App* sub, const Request& request) {
 
 int Simulate(const SimulateRequest& request, const std::string& json_file) {
   const bool only_views = !request.views_for.empty() || !request.views_like.empty();
+  const OutputLock lock = OutputLock::OfDirectory(request.out);
   return Report([&] { return only_views ? RunSimulateViews(request) : RunSimulate(request); },
                 json_file,
                 [&](const nlohmann::ordered_json& json) {

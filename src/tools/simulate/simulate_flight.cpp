@@ -20,7 +20,6 @@
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
-#include <unistd.h>
 #ifdef DEJA_VIEW_WITH_ROS
 #include "simulate/flight_bag.hpp"
 #endif
@@ -30,11 +29,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A directory that gets its name when it is complete, in place of an older one.
+/// A directory that gets its name when it is complete, in place of an older one. Its parent is
+/// locked (OutputLock), so that what is there already was left by a killed process.
 class PendingDirectory {
  public:
   explicit PendingDirectory(fs::path path)
-      : path_(std::move(path)), temporary_(path_.string() + ".tmp" + std::to_string(::getpid())) {
+      : path_(std::move(path)), temporary_(path_.string() + ".deja_view_tmp") {
+    fs::remove_all(temporary_);
     fs::create_directories(temporary_);
   }
   ~PendingDirectory() {

@@ -2,6 +2,7 @@
 
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/hash.hpp"
+#include "deja_view/base/quote.hpp"
 #include "deja_view/io/options_yaml.hpp"
 #include "deja_view/io/tum.hpp"
 #include "deja_view/io/vins_config.hpp"
@@ -19,8 +20,13 @@ namespace {
 namespace fs = std::filesystem;
 
 fs::path FindPreset(const std::string& preset) {
-  return preset == "paper" || preset == "wide" ? FindSharedFile("views_" + preset + ".yaml")
-                                               : fs::path(preset);
+  if (preset == "paper" || preset == "wide") {
+    return FindSharedFile("views_" + preset + ".yaml");
+  }
+  if (!fs::exists(preset)) {
+    ThrowInputError("--preset {}: expected paper, wide, or a YAML file", Quote(preset));
+  }
+  return preset;
 }
 
 // Where a network may lie that is named by a relative path.
@@ -107,6 +113,13 @@ PosedJob ReadViewsInput(const ViewsInput& input) {
   ReadOptions(preset, input.overrides, &job.options);
   std::filesystem::path& network = job.options.rendering.network;
   network = FindNetwork(network, NetworkDirectories(preset));
+  if (job.options.rendering.method == Upscaling::kFsrcnn && !fs::is_regular_file(network)) {
+    ThrowInputError(
+        "{}: rendering.network: no file {}: expected one here, beside the preset, or in {}",
+        preset.string(),
+        Quote(network.string()),
+        FindSharedFile("views_paper.yaml").parent_path().string());
+  }
   ReadPoses(input, &posed);
   if (!input.places.empty()) {
     job.source_stamps_ns = ReadTum(input.places).stamps_ns;

@@ -1,5 +1,6 @@
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/hash.hpp"
+#include "deja_view/base/output_lock.hpp"
 #include "deja_view/base/progress.hpp"
 #include "deja_view/io/options_yaml.hpp"
 #include "deja_view/scene/open_scene_model.hpp"
@@ -104,6 +105,7 @@ double PerView(const ViewReport& report) {
 Json RunViewsRender(const ViewsRenderRequest& request) {
   const auto start = Clock::now();
   const Interrupt interrupt;
+  const OutputLock lock = OutputLock::OfFile(request.out);
   PosedJob posed = ReadViewsInput(request.input);
   ViewJob& job = posed.job;
   job.out = request.out;
@@ -155,6 +157,7 @@ Json RunViewsRender(const ViewsRenderRequest& request) {
 }
 
 Json RunViewsMerge(const ViewsMergeRequest& request) {
+  const OutputLock lock = OutputLock::OfFile(request.out);
   const ViewReport report =
       MergeViews(*OpenFlight(request.flight), request.parts, request.out, request.views_only);
   Json json;

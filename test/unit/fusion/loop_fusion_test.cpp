@@ -7,6 +7,8 @@
 #include <future>
 #include <mutex>
 #include <string>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include "wall_flight.hpp"
@@ -43,10 +45,10 @@ class LoopFusionTest : public ::testing::Test {
     return std::make_unique<LoopFusion>(options, flight_.MakeLoopCloser(), std::move(callbacks));
   }
 
-  void Add(LoopFusion* fusion, int i) {
+  void Add(LoopFusion* fusion, int i, std::size_t bytes = 1) {
     const KeyframeInput keyframe = flight_.Keyframe(i, kKeyframes);
     fusion->AddImage(
-        keyframe.stamp_ns, [image = keyframe.image] { return image; }, 1);
+        keyframe.stamp_ns, [image = keyframe.image] { return image; }, bytes);
     fusion->AddPose(keyframe.stamp_ns, keyframe.T_W_B);
     fusion->AddPoints(keyframe.stamp_ns, keyframe.points);
   }
@@ -112,7 +114,31 @@ TEST_F(LoopFusionTest, DropsTheOldestWhenTheQueueIsFullAndSaysSo) {
   EXPECT_EQ(statistics.queue_peak, 3);
   EXPECT_EQ(statistics.queue_overflows + statistics.keyframes, 10);
   EXPECT_EQ(stamps_.back(), flight_.Keyframe(9, kKeyframes).stamp_ns);
-  EXPECT_THAT(problems_, Contains(HasSubstr("the queue of 3 keyframes is full")));
+  EXPECT_THAT(problems_, Contains(HasSubstr("the queue of 3 keyframes")));
+}
+
+TEST_F(LoopFusionTest, BoundsWhatWaitsByItsBytes) {
+  constexpr std::size_t kMegabyte = 1000000;
+  LoopFusionOptions options;
+  options.node.queue_memory_mb = 3.5;
+  const auto fusion = Make(options);
+  Block();
+  fusion->Start();
+  for (int i = 0; i < 10; ++i) {
+    Add(fusion.get(), i, kMegabyte);
+    fusion->AddVirtualView([]() -> VirtualView { ThrowInputError("no view"); }, kMegabyte);
+  }
+  EXPECT_LE(fusion->statistics().queue_length, 6);
+  EXPECT_GE(fusion->statistics().queue_length, 5);
+  fusion->AddVirtualView([]() -> VirtualView { ThrowInputError("huge"); }, 100 * kMegabyte);
+  EXPECT_GE(fusion->statistics().queue_length, 3);  // one is kept, whatever its size
+  Unblock();
+  fusion->Stop(kForever);
+  const LoopFusionStatistics statistics = fusion->statistics();
+  EXPECT_GE(statistics.queue_overflows, 6);
+  EXPECT_GE(statistics.view_overflows, 9);
+  EXPECT_EQ(statistics.queue_overflows + statistics.keyframes, 10);
+  EXPECT_THAT(problems_, Contains(HasSubstr("huge")));
 }
 
 TEST_F(LoopFusionTest, StopSaysWhatItLeaves) {
@@ -231,6 +257,48 @@ TEST_F(LoopFusionTest, MakesKeyframesOfImagesAndPosesAlone) {
   EXPECT_GT(statistics.keyframes, kImages / 3);
   EXPECT_EQ(statistics.front_end.keyframes, statistics.keyframes);
   EXPECT_GT(*std::max_element(points.begin(), points.end()), 30U);
+}
+
+// For ThreadSanitizer: everything that the node's threads do, at once, with solves on one more.
+TEST_F(LoopFusionTest, IsUsedByManyThreads) {
+  LoopCloserOptions options;
+  options.solve.every_loops = 2;
+  std::atomic<int> keyframes{0};
+  LoopFusionCallbacks callbacks;
+  callbacks.on_keyframe = [&](const KeyframeInput&, const KeyframeReport&, const LoopCloser&) {
+    ++keyframes;
+  };
+  callbacks.on_problem = [](const std::string&) {};
+  LoopFusion fusion(
+      {}, flight_.MakeLoopCloser(options, LoopFusion::RunBeside), std::move(callbacks));
+  fusion.Start();
+  std::atomic<bool> is_over{false};
+  const auto meanwhile = [&](auto call) {
+    return std::async(std::launch::async, [&is_over, call] {
+      while (!is_over) {
+        call();
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
+    });
+  };
+  std::vector<std::future<void>> others;
+  others.push_back(meanwhile([&] { fusion.statistics(); }));
+  others.push_back(meanwhile([&] { fusion.drift(); }));
+  others.push_back(meanwhile(
+      [&] { fusion.WithLoopCloser([](LoopCloser& c) { return c.accepted_loops().size(); }); }));
+  others.push_back(meanwhile([&] {
+    fusion.AddVirtualView([]() -> VirtualView { ThrowInputError("no view"); }, 1);
+    fusion.AddExtrinsic(WallFlight::kStart, flight_.T_B_C());
+  }));
+  for (int i = 0; i < kKeyframes; ++i) {
+    Add(&fusion, i);
+    fusion.AddRelativePose({WallFlight::kStart, 1000, Rigid3(), 0});  // of no keyframe
+  }
+  EXPECT_EQ(fusion.Stop(kForever), 0);
+  is_over = true;
+  others.clear();  // waits
+  EXPECT_EQ(keyframes, kKeyframes);
+  EXPECT_GT(fusion.statistics().candidates.at("accepted"), 3);
 }
 
 TEST_F(LoopFusionTest, WhatBreaksInTheFrontEndIsKeptForTheProgram) {

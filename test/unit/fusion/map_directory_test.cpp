@@ -53,6 +53,14 @@ TEST_F(MapDirectoryTest, RefusesNamesThatLeadOut) {
                                   std::string("a\\b"),
                                   std::string("a\0b", 3),
                                   std::string("a\nb"),
+                                  std::string("-rf"),
+                                  std::string(" a"),
+                                  std::string("$(id)"),
+                                  std::string("a;b"),
+                                  std::string("a`b"),
+                                  std::string("a*"),
+                                  std::string("~a"),
+                                  std::string("a\"b"),
                                   std::string(129, 'a')}) {
     EXPECT_THAT(ErrorOf(name), HasSubstr("map name '")) << name;
   }

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "random_vocabulary.hpp"
@@ -36,8 +37,10 @@ class WallFlight {
     T_B_C_.q = Eigen::Quaterniond(R_B_C);
   }
 
-  LoopCloser MakeLoopCloser() const {
-    return {LoopCloserOptions(), camera_, T_B_C_, Vocabulary::FromTree(RandomTree(10, 3, 1))};
+  LoopCloser MakeLoopCloser(const LoopCloserOptions& options = {},
+                            SolveExecutor executor = {}) const {
+    const auto vocabulary = Vocabulary::FromTree(RandomTree(10, 3, 1));
+    return {options, camera_, T_B_C_, vocabulary, std::move(executor)};
   }
 
   const std::shared_ptr<const Camera>& camera() const { return camera_; }

@@ -230,11 +230,15 @@ TEST_F(KeyframeAssemblerTest, CalibrationIsThatOfTheKeyframesTime) {
   Keyframe(0);
   extrinsic(100, 1.0);
   extrinsic(200, 1.0);
-  extrinsic(300, 2.0);
+  extrinsic(260, 7.0);
+  extrinsic(270, 8.0);
+  extrinsic(300, 1.01);
   Keyframe(90);
   Keyframe(250);
   Keyframe(300);
-  EXPECT_THAT(extrinsics_, ElementsAre(-1.0, -1.0, 1.0, 2.0));
+  EXPECT_THAT(extrinsics_, ElementsAre(-1.0, -1.0, 1.0, 1.01));
+  EXPECT_EQ(assembler_.counts().extrinsic_jumps, 2);
+  EXPECT_THAT(drops_, ElementsAre(Pair(DropReason::kExtrinsicJump, 260)));
 }
 
 TEST_F(KeyframeAssemblerTest, UnmatchedPointsAreCounted) {

@@ -199,7 +199,7 @@ TEST_F(ColmapTest, NamesFileAndLineOfBadText) {
   EXPECT_THAT(TextError("4 PINHOLE 640 480 -500 510 320 240\n"), HasSubstr("focal lengths -500"));
   EXPECT_THAT(TextError("4 PINHOLE 0 480 500 510 320 240\n"), HasSubstr("0 x 480"));
   EXPECT_THAT(TextError("5 PINHOLE 640 480 500 510 320 240\n"),
-              AllOf(HasSubstr(".jpg"), HasSubstr("camera 4, which the model lacks")));
+              AllOf(HasSubstr("images.txt"), HasSubstr("camera 4, which the model lacks")));
   EXPECT_THAT(TextError(camera, "1 1 0 0 0 0 0 4 a.jpg\n\n"), HasSubstr("images.txt:1: expected"));
   EXPECT_THAT(TextError(camera, "1 1 1 0 0 0 0 0 4 a.jpg\n\n"), HasSubstr("norm 1"));
   EXPECT_THAT(TextError(camera, "1 1 0 0 0 0 0 0 4 a.jpg"), HasSubstr("line of observations"));

@@ -147,7 +147,7 @@ TEST(OptionsYaml, UnknownKeysSuggestTheNearest) {
 TEST(OptionsYaml, WrongValuesNameKeyAndExpectation) {
   ExpectErrors(ErrorOf,
                {{"count: 2.5\n", "file.yaml:1: key 'count': expected an integer, found '2.5'"},
-                {"count: \"2\"\n", "expected an integer, found \"2\""},
+                {"count: \"2\"\n", "expected an integer, found text '2'"},
                 {"count: 3000000000\n", "from -2147483648 to 2147483647"},
                 {"level: 256\n", "from 0 to 255"},
                 {"seed: -1\n", "an integer from 0"},
@@ -166,6 +166,25 @@ TEST(OptionsYaml, WrongValuesNameKeyAndExpectation) {
                 {"inner: 4\n", "expected a map of keys"},
                 {"inner:\n  enabled: 1\n",
                  "file.yaml:2: key 'inner.enabled': expected true or false, found '1'"}});
+}
+
+TEST(OptionsYaml, BoundsAndEscapesWhatItEchoes) {
+  const std::string long_text(5000, 'x');
+  EXPECT_LT(ErrorOf("count: " + long_text + "\n").size(), 200U);
+  EXPECT_LT(ErrorOf(long_text + ": 1\n").size(), 250U);
+  EXPECT_THAT(ErrorOf("count: \"a\\nb\\e[31m\"\n"), HasSubstr("found text 'a\\nb\\x1b[31m'"));
+  std::string many;
+  for (int i = 0; i < 1000; ++i) {
+    many += "unknown" + std::to_string(i) + ": 1\n";
+  }
+  EXPECT_THAT(ErrorOf(many), HasSubstr("... and 980 more"));
+  Outer options;
+  try {
+    OverrideOption("count=" + long_text, &options);
+    ADD_FAILURE() << "no error";
+  } catch (const InputError& e) {
+    EXPECT_LT(std::string(e.what()).size(), 300U);
+  }
 }
 
 TEST(OptionsYaml, AllErrorsComeAtOnce) {

@@ -126,6 +126,12 @@ TEST_F(VinsConfigTest, NamesWhatIsWrong) {
        {"distortion_parameters:", "distortion_parameters: 1\nx:", "expected a map of parameters"}});
 }
 
+TEST_F(VinsConfigTest, BoundsAndEscapesWhatItEchoes) {
+  const std::string error = ErrorOf("model_type: \"PIN\\nHOLE" + std::string(3000, 'x') + "\"\n");
+  EXPECT_THAT(error, HasSubstr("found 'PIN\\nHOLExxx"));
+  EXPECT_LT(error.size(), 300U);
+}
+
 TEST_F(VinsConfigTest, RefusesFilesThatAreNoYaml) {
   EXPECT_THROW(ReadVinsConfig("/nonexistent/camera.yaml"), InputError);
   EXPECT_THROW(ReadVinsConfig(std::filesystem::temp_directory_path()), InputError);

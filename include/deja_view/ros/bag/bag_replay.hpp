@@ -31,6 +31,7 @@ struct ReplayCallbacks {
   /// throw InputError.
   std::function<void(const VirtualView&)> on_virtual_view;
   std::string sufficient_features;  ///< as FromVirtualFrame's
+  cv::Size image_size;              ///< as FromImage's
   /// A message that can't be used, with the reason, or a keyframe that was dropped.
   std::function<void(const std::string& what)> on_problem;
   /// After each message: how many of all messages are done.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/temporary_file.hpp"
 #include "deja_view/ros/messages/conversions.hpp"
 
 #include <cstdint>
@@ -46,7 +47,7 @@ class BagWriter {
   [[noreturn]] void ThrowUnwritable(const std::string& what) const;
 
   std::filesystem::path path_;
-  std::filesystem::path temporary_;
+  TemporaryFile temporary_;
   rosbag::Bag bag_;
   bool is_open_ = false;
 };

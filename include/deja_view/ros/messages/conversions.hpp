@@ -59,14 +59,16 @@ enum class PixelKind {
 
 /// Checks the header of an image (encoding mono8, 8UC1, rgb8, bgr8, rgba8, bgra8, mono16 or 16UC1,
 /// sizes) now, and returns what decodes it later; 16 bits are divided by 256. Holds the message
-/// alive.
+/// alive. Unless `size` is empty, the image must be of it.
 ImageSource FromImage(const sensor_msgs::ImageConstPtr& message,
                       const std::string& topic,
+                      cv::Size size = {},
                       PixelKind kind = PixelKind::kGrey);
 
 /// As FromImage for JPEG or PNG; the source throws InputError when the data can't be decoded.
 ImageSource FromCompressedImage(const sensor_msgs::CompressedImageConstPtr& message,
                                 const std::string& topic,
+                                cv::Size size = {},
                                 PixelKind kind = PixelKind::kGrey);
 
 /// Grey or BGR image (CV_8UC1 or CV_8UC3) to mono8 or bgr8.

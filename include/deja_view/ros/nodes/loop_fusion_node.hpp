@@ -1,5 +1,6 @@
 #pragma once
 
+#include "deja_view/base/output_lock.hpp"
 #include "deja_view/fusion/loop_fusion.hpp"
 #include "deja_view/fusion/map_directory.hpp"
 #include "deja_view/fusion/match_samples.hpp"
@@ -54,6 +55,11 @@ class LoopFusionNode {
                    std::uint32_t queue,
                    void (LoopFusionNode::*handle)(const boost::shared_ptr<const Message>&));
 
+  cv::Size ImageSize() const { return {vins_.camera->width(), vins_.camera->height()}; }
+  template <typename Message>
+  void AddImage(const Message& message, ImageSource image) {
+    fusion_->AddImage(ToNanoseconds(message.header.stamp), std::move(image), message.data.size());
+  }
   void OnImage(const sensor_msgs::ImageConstPtr& message);
   void OnCompressedImage(const sensor_msgs::CompressedImageConstPtr& message);
   void OnKeyframePose(const nav_msgs::OdometryConstPtr& message);
@@ -85,6 +91,7 @@ class LoopFusionNode {
   VinsConfig vins_;
   LoopFusionOptions options_;
   MapDirectory maps_;
+  std::vector<OutputLock> locks_;  ///< of what is written at the end
   std::unique_ptr<LoopPublisher> publisher_;
   std::unique_ptr<LoopFusion> fusion_;
   // Guarded by LoopFusion::WithLoopCloser, as on_keyframe is.

@@ -57,6 +57,7 @@ class NerfRenderNode {
 
  private:
   void Subscribe();
+  cv::Size ImageSize() const { return {vins_.camera->width(), vins_.camera->height()}; }
   void OnImage(const sensor_msgs::ImageConstPtr& message);
   void OnCompressedImage(const sensor_msgs::CompressedImageConstPtr& message);
   void OnPose(const nav_msgs::OdometryConstPtr& message);

@@ -83,7 +83,7 @@ TEST_F(BagReaderTest, RefusesWhatIsNoBag) {
 
 TEST_F(BagReaderTest, TellsAnUnclosedBagFromABrokenOne) {
   const BagWriter unclosed(Path("b.bag"));
-  EXPECT_THAT(ErrorOf([&] { BagReader(Path("b.bag.tmp" + std::to_string(::getpid()))); }),
+  EXPECT_THAT(ErrorOf([&] { BagReader(Path("b.bag.deja_view_tmp" + std::to_string(::getpid()))); }),
               HasSubstr("rosbag reindex"));
 }
 

@@ -73,6 +73,19 @@ TEST_F(ViewStoreTest, PassesOverOtherSettingsAndDamage) {
   EXPECT_FALSE(store_.Read(result.stamp_ns));
 }
 
+TEST_F(ViewStoreTest, PassesOverACountThatIsNotThatOfTheFrames) {
+  const SourceResult result = MakeResult();
+  for (const char count : {'\1', '\3', '\x7F'}) {
+    store_.Write(result);
+    std::fstream file(fs::directory_iterator(directory_)->path(),
+                      std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(92);  // at the end of the header
+    file.put(count);
+    file.close();
+    EXPECT_FALSE(store_.Read(result.stamp_ns)) << static_cast<int>(count);
+  }
+}
+
 TEST_F(ViewStoreTest, RemovesItsOwnFilesOnly) {
   store_.Write(MakeResult());
   std::ofstream(directory_ / "notes.txt") << "mine";

@@ -233,6 +233,31 @@ TEST(ConversionsTest, DecodesCompressedImages) {
               AllOf(HasSubstr(kTopic), HasSubstr("can't be decoded")));
 }
 
+TEST(ConversionsTest, RefusesCompressedImagesThatStateAHugeSize) {
+  const auto message = boost::make_shared<sensor_msgs::CompressedImage>();
+  cv::imencode(".png", cv::Mat(4, 5, CV_8UC1, cv::Scalar(9)), message->data);
+  message->data[18] = 0x70;  // of the width
+  message->data[22] = 0x70;
+  EXPECT_THAT(ErrorOf([&] { FromCompressedImage(message, kTopic); }),
+              AllOf(HasSubstr(kTopic), HasSubstr("28677 x 28676 px")));
+}
+
+TEST(ConversionsTest, RefusesImagesOfAnotherSizeAtOnce) {
+  const auto raw = MakeImage("mono8", 4, 3, 4);
+  EXPECT_NO_THROW(FromImage(raw, kTopic, {4, 3}));
+  EXPECT_THAT(ErrorOf([&] {
+                FromImage(raw, kTopic, {3, 4});
+              }),
+              AllOf(HasSubstr(kTopic), HasSubstr("4 x 3"), HasSubstr("expected 3 x 4")));
+  const auto jpeg = boost::make_shared<sensor_msgs::CompressedImage>();
+  cv::imencode(".jpg", cv::Mat(4, 5, CV_8UC1, cv::Scalar(9)), jpeg->data);
+  EXPECT_NO_THROW(FromCompressedImage(jpeg, kTopic, {5, 4}));
+  EXPECT_THAT(ErrorOf([&] {
+                FromCompressedImage(jpeg, kTopic, {5, 5});
+              }),
+              AllOf(HasSubstr(kTopic), HasSubstr("5 x 4"), HasSubstr("expected 5 x 5")));
+}
+
 TEST(ConversionsTest, ImagesRoundTrip) {
   cv::Mat big(6, 8, CV_8UC1);
   for (int i = 0; i < 48; ++i) {
