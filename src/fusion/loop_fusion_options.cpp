@@ -11,6 +11,7 @@ std::vector<std::string> NodeOptions::Validate() const {
   r.That(virtual_queue_size >= 1, "virtual_queue_size", virtual_queue_size, "at least 1");
   r.That(drain_s >= 0 && drain_s <= 3600, "drain_s", drain_s, "0 to 3600 s");
   r.That(is_rate(path_rate_hz), "path_rate_hz", path_rate_hz, "above 0, up to 1000 Hz");
+  r.That(path_poses >= 1, "path_poses", path_poses, "at least 1");
   r.That(is_rate(diagnostics_rate_hz),
          "diagnostics_rate_hz",
          diagnostics_rate_hz,

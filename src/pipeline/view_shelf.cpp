@@ -114,7 +114,7 @@ ViewOutcome ViewShelf::Attach(int keyframe, StoredView view, const KeyframeMap& 
   if (static_cast<int>(view.keypoints.size()) < options_.min_features) {
     return ViewOutcome::kUncertain;
   }
-  const KeyframeFeatures& source = keyframes[keyframe].features;
+  const KeyframeFeatures& source = keyframes.features(keyframe);
   if (!AgreesWithSource(source, view)) {
     return ViewOutcome::kDisagrees;
   }

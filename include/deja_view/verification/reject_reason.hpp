@@ -22,9 +22,10 @@ enum class RejectReason {
   kUncertain,       ///< covariance of the pose too large
   kInconsistent,    ///< not (yet) supported by other loops, or contradicted by them
   kImplausible,     ///< would need far more drift than the VIO can have
+  kWithdrawn,       ///< was accepted, and later loops contradicted it
 };
 
-constexpr int kRejectReasonCount = static_cast<int>(RejectReason::kImplausible) + 1;
+constexpr int kRejectReasonCount = static_cast<int>(RejectReason::kWithdrawn) + 1;
 
 /// As in loops.csv and the diagnostics.
 template <>
@@ -42,7 +43,8 @@ struct EnumNames<RejectReason> {
        {RejectReason::kGravity, "gravity"},
        {RejectReason::kUncertain, "uncertain"},
        {RejectReason::kInconsistent, "inconsistent"},
-       {RejectReason::kImplausible, "implausible"}}};
+       {RejectReason::kImplausible, "implausible"},
+       {RejectReason::kWithdrawn, "withdrawn"}}};
 };
 
 }  // namespace deja_view

@@ -60,8 +60,8 @@ void Play(const ReplayRequest& request,
     const KeyframeReport report = closer->AddKeyframe(input);
     for (const LoopReport& loop : report.loops) {
       accepted += loop.accepted() ? 1 : 0;
-      result->loops.push_back(loop);
     }
+    AddLoopRows(report.loops, &result->loops);
     for (const LoopMatches& matches : report.matches) {
       result->matches.Add(matches);
     }
@@ -119,7 +119,7 @@ ReplayResult RunReplay(const ReplayRequest& request) {
     result.map_keyframes = closer.keyframe_count();
   }
   Play(request, options, &closer, &result);
-  closer.OptimizeFully();
+  AddLoopRows(closer.OptimizeFully(), &result.loops);
   if (!request.save_map.empty()) {
     closer.Save(request.save_map);
   }
