@@ -25,7 +25,7 @@ struct PoseGraphOptions {
   int max_iterations = 10;                 ///< of the solver, per round
   /// Newest keyframes that are nodes whatever they see; older ones that are no places are dropped.
   /// 0: none is.
-  int window = 200;
+  int window = 300;
   // A loop that the graph contradicts is withdrawn. 0.05 is the kernel's weight of a loop that is
   // off by 5.6 sigma: of right ones three in a million are.
   double withdraw_weight = 0.05;  ///< with a smaller weight
