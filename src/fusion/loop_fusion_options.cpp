@@ -12,6 +12,7 @@ std::vector<std::string> NodeOptions::Validate() const {
   r.That(queue_memory_mb > 0, "queue_memory_mb", queue_memory_mb, "more than 0 MB");
   r.That(drain_s >= 0 && drain_s <= 3600, "drain_s", drain_s, "0 to 3600 s");
   r.That(is_rate(path_rate_hz), "path_rate_hz", path_rate_hz, "above 0, up to 1000 Hz");
+  r.That(path_poses >= 1, "path_poses", path_poses, "at least 1");
   r.That(is_rate(diagnostics_rate_hz),
          "diagnostics_rate_hz",
          diagnostics_rate_hz,

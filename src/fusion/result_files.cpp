@@ -4,6 +4,7 @@
 #include "deja_view/base/check.hpp"
 #include "deja_view/io/tum.hpp"
 
+#include <algorithm>
 #include <fstream>
 #include <ostream>
 
@@ -48,6 +49,30 @@ void WriteMatches(std::ostream& out, const std::vector<LoopMatches>& matches) {
 }
 
 }  // namespace
+
+void AddLoopRows(const std::vector<LoopReport>& told, std::vector<LoopReport>* rows) {
+  for (const LoopReport& loop : told) {
+    if (loop.reason != RejectReason::kWithdrawn) {
+      rows->push_back(loop);
+      continue;
+    }
+    const auto accepted = std::find_if(rows->rbegin(), rows->rend(), [&](const LoopReport& row) {
+      return row.accepted() && row.old == loop.old && row.current == loop.current;
+    });
+    DEJA_VIEW_CHECK(accepted != rows->rend());
+    accepted->reason = RejectReason::kWithdrawn;
+  }
+}
+
+std::vector<KeyframeInfo> ListKeyframes(const LoopCloser& closer, int most) {
+  std::vector<KeyframeInfo> keyframes;
+  const int count = closer.keyframe_count();
+  const int step = 1 + std::max(0, count - 1) / most;
+  for (int i = std::max(0, count - 1) % step; i < count; i += step) {
+    keyframes.push_back(closer.keyframe(i));
+  }
+  return keyframes;
+}
 
 void WriteResultFiles(const std::filesystem::path& directory,
                       const std::vector<KeyframeInfo>& keyframes,

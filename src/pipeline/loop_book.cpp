@@ -22,10 +22,10 @@ RejectReason ReasonOf(State state) {
 
 }  // namespace
 
-LoopBook::LoopBook(const LoopConsistencyOptions& options, const std::vector<LoopReport>& in_graph)
+LoopBook::LoopBook(const LoopConsistencyOptions& options, const std::vector<LoopReport>& of_map)
     : consistency_(options) {
-  for (const LoopReport& report : in_graph) {
-    records_.push_back({report, State::kAccepted, size()});
+  for (const LoopReport& report : of_map) {
+    records_[next_++] = {report, State::kAccepted, -1, true};
   }
 }
 
@@ -36,56 +36,107 @@ LoopBook::Entry LoopBook::Enter(LoopReport loop, PoseGraph* graph) {
   edge.T_from_to = loop.T_Bold_Bcurrent;
   edge.covariance = loop.covariance;
   edge.scene_depth = loop.scene_depth;
-  const auto sequence = [&](int node) {
-    return graph->nodes().at(static_cast<std::size_t>(node)).sequence;
-  };
-  const bool was_joined = graph->AreJoined(sequence(edge.from), sequence(edge.to));
-  const LoopConsistency::Decision decision = consistency_.Add(edge, size(), *graph);
+  const bool was_joined =
+      graph->AreJoined(graph->node(edge.from).sequence, graph->node(edge.to).sequence);
+  const int number = next_++;
+  const LoopConsistency::Decision decision = consistency_.Add(edge, number, *graph);
   loop.reason = ReasonOf(decision.state);
-  records_.push_back({std::move(loop), decision.state, -1});
+  LoopRecord& entered = records_[number];
+  entered.report = std::move(loop);
+  entered.state = decision.state;
   Entry entry;
-  entry.reason = records_.back().report.reason;
+  entry.reason = entered.report.reason;
   for (const LoopConsistency::Entry& believed : decision.believed) {
-    LoopRecord& record = records_.at(static_cast<std::size_t>(believed.tag));
+    LoopRecord& record = records_.at(believed.tag);
     record.state = State::kAccepted;
     record.report.reason = RejectReason::kNone;
-    record.edge = static_cast<int>(graph->loops().size());
-    graph->AddLoop(believed.loop);
+    const int id = graph->AddLoop(believed.loop);
+    record.edge = graph->loops().count(id) > 0 ? id : -1;
     entry.believed.push_back(believed.tag);
   }
   entry.joins = !was_joined && !entry.believed.empty();
+  ForgetOldest();
   return entry;
+}
+
+// Called with each record that comes, so that one at most is forgotten by the consistency check.
+void LoopBook::ForgetOldest() {
+  const auto it = records_.find(next_ - consistency_.memory() - 1);
+  if (it != records_.end() && it->second.edge < 0 && !it->second.is_of_map) {
+    records_.erase(it);
+  }
 }
 
 bool LoopBook::Refine(int old, int current, const Rigid3& T_Bold_Bcurrent, PoseGraph* graph) {
   constexpr double kMaxChange = 0.5;  // [m], [rad]: near the loop's or it is wrong
-  const auto it = std::find_if(records_.rbegin(), records_.rend(), [&](const LoopRecord& record) {
+  const auto it = std::find_if(records_.rbegin(), records_.rend(), [&](const auto& entry) {
+    const LoopRecord& record = entry.second;
     return record.edge >= 0 && record.report.old == old && record.report.current == current;
   });
   if (it == records_.rend() || !T_Bold_Bcurrent.IsFinite()) {
     return false;
   }
-  const Rigid3 change = it->report.T_Bold_Bcurrent.Inverse() * T_Bold_Bcurrent;
-  if (change.t.norm() > kMaxChange || RotationAngle(change.q) > kMaxChange) {
+  LoopRecord& record = it->second;
+  const Rigid3 change = record.report.T_Bold_Bcurrent.Inverse() * T_Bold_Bcurrent;
+  const PoseGraphLoop& edge = graph->loop(record.edge);
+  if (change.t.norm() > kMaxChange || RotationAngle(change.q) > kMaxChange || edge.from != old ||
+      edge.to != current) {
     return false;
   }
-  it->report.T_Bold_Bcurrent = T_Bold_Bcurrent;
-  return graph->UpdateLoop(old, current, T_Bold_Bcurrent);
+  record.report.T_Bold_Bcurrent = T_Bold_Bcurrent;
+  graph->UpdateLoop(record.edge, T_Bold_Bcurrent);
+  return true;
+}
+
+std::map<int, LoopRecord>::iterator LoopBook::Find(int edge) {
+  return std::find_if(records_.begin(), records_.end(), [edge](const auto& entry) {
+    return entry.second.edge == edge;
+  });
+}
+
+std::vector<LoopReport> LoopBook::Withdraw(const std::vector<int>& edges) {
+  std::vector<LoopReport> reports;
+  for (const int edge : edges) {
+    const auto it = Find(edge);
+    reports.push_back(it->second.report);
+    reports.back().reason = RejectReason::kWithdrawn;
+    consistency_.Withdraw(it->first);
+    records_.erase(it);
+  }
+  return reports;
+}
+
+void LoopBook::Settle(const std::vector<int>& edges) {
+  for (const int edge : edges) {
+    const auto it = Find(edge);
+    it->second.edge = -1;
+    if (!IsRemembered(it->first)) {
+      records_.erase(it);
+    }
+  }
+}
+
+int LoopBook::NewestLocalised() const {
+  int newest = -1;
+  for (const auto& [number, record] : records_) {
+    newest = record.edge >= 0 ? std::max(newest, record.report.current) : newest;
+  }
+  return newest;
 }
 
 std::vector<LoopReport> LoopBook::Accepted() const {
-  std::vector<const LoopRecord*> in_graph;
-  for (const LoopRecord& record : records_) {
-    if (record.edge >= 0) {
-      in_graph.push_back(&record);
+  std::vector<const LoopRecord*> accepted;
+  for (const auto& [number, record] : records_) {
+    if (record.edge >= 0 || record.is_of_map) {
+      accepted.push_back(&record);
     }
   }
-  std::sort(in_graph.begin(), in_graph.end(), [](const LoopRecord* a, const LoopRecord* b) {
+  std::stable_sort(accepted.begin(), accepted.end(), [](const LoopRecord* a, const LoopRecord* b) {
     return a->edge < b->edge;
   });
   std::vector<LoopReport> reports;
-  reports.reserve(in_graph.size());
-  for (const LoopRecord* record : in_graph) {
+  reports.reserve(accepted.size());
+  for (const LoopRecord* record : accepted) {
     reports.push_back(record->report);
   }
   return reports;

@@ -4,24 +4,27 @@
 #include "deja_view/pose_graph/loop_consistency.hpp"
 #include "deja_view/pose_graph/pose_graph.hpp"
 
+#include <map>
 #include <vector>
 
 namespace deja_view {
 
-/// A loop that passed verification, and what has become of it. Its index in the book is its
+/// A loop that passed verification, and what has become of it. Its number in the book is its
 /// identity.
 struct LoopRecord {
   LoopReport report;
   LoopConsistency::State state = LoopConsistency::State::kPending;
-  int edge = -1;  ///< index among the pose graph's loops; -1 while it is not believed
+  int edge = -1;           ///< id among the pose graph's loops; -1: it is none
+  bool is_of_map = false;  ///< of a loaded map
 };
 
-/// All verified loops: those that wait for others to agree with them, and those in the graph.
+/// The verified loops that are still of use: those that wait for others to agree with them, and
+/// those in the graph.
 class LoopBook {
  public:
   explicit LoopBook(const LoopConsistencyOptions& options) : consistency_(options) {}
-  /// Begins with the loops that are in a graph already, in its order.
-  LoopBook(const LoopConsistencyOptions& options, const std::vector<LoopReport>& in_graph);
+  /// Begins with the loops of a loaded map.
+  LoopBook(const LoopConsistencyOptions& options, const std::vector<LoopReport>& of_map);
 
   /// What one more loop led to.
   struct Entry {
@@ -37,15 +40,29 @@ class LoopBook {
   /// when there is no such loop or the two are far apart.
   bool Refine(int old, int current, const Rigid3& T_Bold_Bcurrent, PoseGraph* graph);
 
-  const LoopRecord& operator[](int i) const { return records_.at(static_cast<std::size_t>(i)); }
-  int size() const { return static_cast<int>(records_.size()); }
+  /// The graph has no such loops any more; returns their reports, as withdrawn.
+  std::vector<LoopReport> Withdraw(const std::vector<int>& edges);
+  /// The graph has made them part of itself: nothing more will become of them.
+  void Settle(const std::vector<int>& edges);
 
-  /// The loops of the graph, in its order.
+  const LoopRecord& operator[](int i) const { return records_.at(i); }
+  int size() const { return next_; }  ///< records ever
+  /// Records that are kept.
+  std::size_t kept() const { return records_.size(); }
+  /// Newest keyframe that has a loop in the graph; -1: none has.
+  int NewestLocalised() const;
+
+  /// A loaded map's loops, and then those of the graph in its order.
   std::vector<LoopReport> Accepted() const;
 
  private:
+  std::map<int, LoopRecord>::iterator Find(int edge);
+  bool IsRemembered(int record) const { return record >= next_ - consistency_.memory(); }
+  void ForgetOldest();
+
   LoopConsistency consistency_;
-  std::vector<LoopRecord> records_;
+  std::map<int, LoopRecord> records_;
+  int next_ = 0;
 };
 
 }  // namespace deja_view

@@ -36,8 +36,8 @@ bool LoopCloser::UpdateLoop(int current, const Rigid3& T_Bold_Bcurrent) {
   return impl_->UpdateLoop(current, T_Bold_Bcurrent);
 }
 
-void LoopCloser::OptimizeFully() {
-  impl_->OptimizeFully();
+std::vector<LoopReport> LoopCloser::OptimizeFully() {
+  return impl_->OptimizeFully();
 }
 
 int LoopCloser::keyframe_count() const {
@@ -46,8 +46,8 @@ int LoopCloser::keyframe_count() const {
 
 KeyframeInfo LoopCloser::keyframe(int index) const {
   DEJA_VIEW_CHECK(index >= 0 && index < keyframe_count());
-  const StoredKeyframe& stored = impl_->keyframes()[index];
-  const PoseGraphNode& node = impl_->keyframes().node(index);
+  const KeyframeMap::Keyframe& stored = impl_->keyframes()[index];
+  const PoseGraphNode node = impl_->keyframes().node(index);
   return {index,
           node.sequence,
           stored.stamp_ns,

@@ -4,11 +4,13 @@
 #include "deja_view/base/requirements.hpp"
 #include "deja_view/features/make_feature_extractor.hpp"
 
+#include <set>
 #include <utility>
 
 #include "map_io.hpp"
 #include "own_points.hpp"
 #include "step_timer.hpp"
+#include <Eigen/Cholesky>
 
 namespace deja_view {
 namespace {
@@ -142,7 +144,7 @@ void LoopCloserImpl::Append(const KeyframeInput& input, KeyframeReport* report) 
   StoredKeyframe keyframe;
   keyframe.stamp_ns = input.stamp_ns;
   keyframe.features.T_B_C = T_B_C_;
-  report->index = keyframes_.Add(std::move(keyframe), sequence, input.T_W_B);
+  report->index = keyframes_.Add(keyframe, sequence, input.T_W_B);
   report->sequence = sequence;
   starts_sequence_ = false;
 }
@@ -171,7 +173,28 @@ void LoopCloserImpl::Triangulate(NewKeyframe* current, KeyframeTimes* times) {
 
 void LoopCloserImpl::TakeDueSolution(KeyframeReport* report) {
   const StepTimer timer(&report->times.graph);
-  report->graph_changed = solve_.TakeIfDue(&keyframes_.graph());
+  PoseGraph& graph = keyframes_.graph();
+  report->graph_changed = solve_.TakeIfDue(&graph);
+  if (report->graph_changed) {
+    Withdraw(graph.WithdrawContradicted(options_.pose_graph.withdraw_after), &report->loops);
+  }
+  if (!solve_.is_pending() && (report->graph_changed || !solve_.has_news())) {
+    const PoseGraph::Settled settled = graph.Reduce();
+    loops_.Settle(settled.absorbed);
+    Withdraw(settled.withdrawn, &report->loops);
+  }
+}
+
+void LoopCloserImpl::Withdraw(const std::vector<int>& edges, std::vector<LoopReport>* told) {
+  for (const LoopReport& loop : loops_.Withdraw(edges)) {
+    if (keyframes_[loop.current].relocalised_old == loop.old) {
+      keyframes_.SetRelocalised(loop.current, -1);
+    }
+    if (loop.current == last_localised_) {
+      last_localised_ = loops_.NewestLocalised();
+    }
+    told->push_back(loop);
+  }
 }
 
 void LoopCloserImpl::BecomePlace(NewKeyframe current, KeyframeTimes* times) {
@@ -192,10 +215,13 @@ void LoopCloserImpl::StartDueSolve(KeyframeTimes* times) {
   solve_.StartIfDue(keyframes_.graph());
 }
 
-void LoopCloserImpl::OptimizeFully() {
+std::vector<LoopReport> LoopCloserImpl::OptimizeFully() {
   solve_.Finish(&keyframes_.graph());
   keyframes_.graph().Solve();
   solve_.Reset();
+  std::vector<LoopReport> withdrawn;
+  Withdraw(keyframes_.graph().WithdrawContradicted(1), &withdrawn);
+  return withdrawn;
 }
 
 bool LoopCloserImpl::UpdateLoop(int current, const Rigid3& T_Bold_Bcurrent) {
@@ -211,9 +237,11 @@ Rigid3 LoopCloserImpl::drift() const {
 }
 
 std::size_t LoopCloserImpl::memory_bytes() const {
-  std::size_t bytes = places_.memory_bytes() + shelf_.memory_bytes();
+  constexpr std::size_t kPerKeyframe = 150;
+  std::size_t bytes = places_.memory_bytes() + shelf_.memory_bytes() +
+                      kPerKeyframe * static_cast<std::size_t>(keyframes_.size());
   for (int i = 0; i < keyframes_.size(); ++i) {
-    bytes += sizeof(StoredKeyframe) + keyframes_[i].features.MemoryBytes();
+    bytes += keyframes_[i].is_place ? keyframes_.features(i).MemoryBytes() : 0;
   }
   return bytes;
 }
@@ -222,11 +250,35 @@ std::size_t LoopCloserImpl::view_memory_bytes() const {
   return shelf_.memory_bytes() + places_.view_memory_bytes();
 }
 
+// Of loops that were absorbed nothing is left to tell that sequences are joined but the ties.
+std::vector<LoopReport> LoopCloserImpl::LoopsAndJoints() const {
+  std::vector<LoopReport> loops = loops_.Accepted();
+  std::set<std::pair<int, int>> joined;
+  for (const auto& [ends, tie] : keyframes_.graph().ties()) {
+    const int a = keyframes_.node(tie.from).sequence;
+    const int b = keyframes_.node(tie.to).sequence;
+    if (a == b || !joined.insert({a, b}).second) {
+      continue;
+    }
+    LoopReport loop;
+    loop.old = tie.from;
+    loop.current = tie.to;
+    loop.stamp_old_ns = keyframes_[tie.from].stamp_ns;
+    loop.stamp_current_ns = keyframes_[tie.to].stamp_ns;
+    loop.T_Bold_Bcurrent = keyframes_.T_a_b(tie.from, tie.to);
+    const Eigen::Matrix4d covariance = tie.information.ldlt().solve(Eigen::Matrix4d::Identity());
+    loop.covariance.topLeftCorner<3, 3>() = covariance.topLeftCorner<3, 3>();
+    loop.covariance.bottomRightCorner<3, 3>() = covariance(3, 3) * Eigen::Matrix3d::Identity();
+    loops.push_back(loop);
+  }
+  return loops;
+}
+
 void LoopCloserImpl::Save(const std::filesystem::path& directory) const {
   WriteMap(directory,
            {DescriptorKind(options_.features), *camera_},
            keyframes_,
-           loops_.Accepted(),
+           LoopsAndJoints(),
            shelf_.kept());
 }
 
@@ -240,9 +292,10 @@ void LoopCloserImpl::Load(const std::filesystem::path& directory) {
   places_.Clear();
   shelf_.Clear();
   for (const int place : keyframes_.places()) {
-    const StoredKeyframe& k = keyframes_[place];
-    places_.Add(
-        place, keyframes_.node(place).sequence, k.stamp_ns, places_.Bag(k.features.descriptors));
+    places_.Add(place,
+                keyframes_.node(place).sequence,
+                keyframes_[place].stamp_ns,
+                places_.Bag(keyframes_.features(place).descriptors));
     shelf_.Restore(place, std::move(map.views[place]));
   }
   last_localised_ = -1;

@@ -35,7 +35,7 @@ class LoopCloserImpl {
   ViewOutcome AddVirtualView(const VirtualView& view) { return shelf_.Add(view, keyframes_); }
   void SetExtrinsic(const Rigid3& T_B_C) { T_B_C_ = T_B_C; }
   bool UpdateLoop(int current, const Rigid3& T_Bold_Bcurrent);
-  void OptimizeFully();
+  std::vector<LoopReport> OptimizeFully();
   void Save(const std::filesystem::path& directory) const;
   void Load(const std::filesystem::path& directory);
 
@@ -62,6 +62,8 @@ class LoopCloserImpl {
   /// Makes points of corners, of the new keyframe and of the places lately passed.
   void Triangulate(NewKeyframe* current, KeyframeTimes* times);
   void TakeDueSolution(KeyframeReport* report);
+  /// Loops that are none in the graph any more.
+  void Withdraw(const std::vector<int>& edges, std::vector<LoopReport>* told);
   std::vector<Candidate> FindCandidates(const NewKeyframe& current, KeyframeReport* report) const;
   void FindLoops(const std::vector<Candidate>& candidates,
                  const NewKeyframe& current,
@@ -87,6 +89,7 @@ class LoopCloserImpl {
   Relocalisation MakeRelocalisation(const LoopReport& loop,
                                     const Verification& verification,
                                     const NewKeyframe& current) const;
+  std::vector<LoopReport> LoopsAndJoints() const;
   LoopMatches MakeMatches(const LoopReport& loop, const Verification& verification) const;
 
   LoopCloserOptions options_;

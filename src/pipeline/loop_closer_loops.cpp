@@ -68,7 +68,7 @@ LoopReport LoopCloserImpl::Verify(const Candidate& candidate,
                                   Verification* verification) const {
   const int old = candidate.keyframe;
   const int newest = keyframes_.newest();
-  const KeyframeFeatures& old_features = keyframes_[old].features;
+  const KeyframeFeatures& old_features = keyframes_.features(old);
   *verification = verifier_.VerifyRig(
       current.features,
       keyframes_.node(newest).T_W_B.q,
@@ -102,7 +102,7 @@ Relocalisation LoopCloserImpl::MakeRelocalisation(const LoopReport& loop,
   for (const PointMatch& match : verification.point_matches) {
     const std::int64_t id = current.features.point_ids[static_cast<std::size_t>(match.point)];
     const Eigen::Vector2f& pixel =
-        keyframes_[loop.old].features.keypoints[static_cast<std::size_t>(match.keypoint)];
+        keyframes_.features(loop.old).keypoints[static_cast<std::size_t>(match.keypoint)];
     const Eigen::Vector3d bearing = camera_->Unproject(pixel.cast<double>());
     if (id != kOwnPoint && bearing.z() > 1e-3) {  // it knows only its own tracks
       result.points.push_back({id, bearing.hnormalized()});
@@ -136,9 +136,10 @@ bool LoopCloserImpl::TakeVerified(const LoopReport& loop,
   for (std::size_t i = 0; i < entry.believed.size(); ++i) {
     const LoopRecord& believed = loops_[entry.believed[i]];
     report->loops.push_back(believed.report);
-    solve_.NoteLoop(keyframes_.graph().loops().at(static_cast<std::size_t>(believed.edge)),
-                    entry.joins && i == 0,
-                    keyframes_.graph());
+    if (believed.edge >= 0) {
+      const PoseGraph& graph = keyframes_.graph();
+      solve_.NoteLoop(graph.loop(believed.edge), entry.joins && i == 0, graph);
+    }
     last_localised_ = std::max(last_localised_, believed.report.current);
   }
   report->graph_changed = report->graph_changed || entry.joins;
@@ -164,7 +165,7 @@ bool LoopCloserImpl::IsWithinReach(int old, const NewKeyframe& current) const {
   constexpr double kMarginDeg = 10.0;
   const Rigid3 T_old_newest = keyframes_.T_a_b(old, newest);
   const LoopVerifierOptions& gates = options_.verification;
-  const double depth = std::max(SceneDepth(keyframes_[old].features), SceneDepth(current.features));
+  const double depth = std::max(SceneDepth(keyframes_.features(old)), SceneDepth(current.features));
   const bool is_near =
       depth == 0 || T_old_newest.t.norm() < (gates.max_distance_over_depth + kMargin) * depth;
   return is_near && RotationAngle(T_old_newest.q) < kDegree * (gates.max_yaw_deg + kMarginDeg);

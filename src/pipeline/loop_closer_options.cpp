@@ -25,6 +25,7 @@ std::vector<std::string> SolveOptions::Validate() const {
   Requirements r;
   r.That(every_loops >= 1, "every_loops", every_loops, "at least 1");
   r.That(surprise > 0, "surprise", surprise, "more than 0");
+  r.That(most_nodes >= 1, "most_nodes", most_nodes, "at least 1");
   r.That(latency >= 1, "latency", latency, "at least 1");
   r.That(nodes_per_latency >= 1, "nodes_per_latency", nodes_per_latency, "at least 1");
   return r.errors();

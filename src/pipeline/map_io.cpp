@@ -100,11 +100,11 @@ void WriteMap(const fs::path& directory,
     out->Write(static_cast<std::int32_t>(maker.camera.height()));
     out->Write(static_cast<std::uint64_t>(keyframes.size()));
     for (int i = 0; i < keyframes.size(); ++i) {
-      WriteKeyframe(keyframes[i], keyframes.node(i), out);
+      WriteKeyframe(keyframes, i, out);
     }
     out->Write(static_cast<std::uint64_t>(loops.size()));
-    for (std::size_t i = 0; i < loops.size(); ++i) {
-      WriteLoop(keyframes.graph().loops().at(i), loops[i], out);
+    for (const LoopReport& loop : loops) {
+      WriteLoop(loop, out);
     }
     out->Write(CountViews(views));
     for (const auto& [keyframe, its] : views) {
@@ -124,10 +124,14 @@ LoadedMap ReadMap(const fs::path& directory,
   std::vector<PoseGraphNode> nodes;
   ReadKeyframes(&in, maker.camera, &keyframes, &nodes);
   std::vector<LoopReport> reports;
-  std::vector<PoseGraphLoop> loops = ReadLoops(&in, keyframes, &reports);
+  const std::vector<PoseGraphLoop> loops = ReadLoops(&in, keyframes, &reports);
   ViewShelf::Views views = ReadViews(&in, keyframes.size());
   in.Finish();
-  PoseGraph graph = PoseGraph::FromParts(options, std::move(nodes), std::move(loops));
+  std::vector<PoseGraph::Part> parts;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    parts.push_back({nodes[i], keyframes[i].is_place});
+  }
+  PoseGraph graph = PoseGraph::FromParts(options, parts, loops);
   return {
       KeyframeMap(std::move(keyframes), std::move(graph)), std::move(reports), std::move(views)};
 }

@@ -21,12 +21,12 @@ struct MapMaker {
 /// A map as read from its file.
 struct LoadedMap {
   KeyframeMap keyframes;
-  std::vector<LoopReport> loops;  ///< of the graph, in its order
+  std::vector<LoopReport> loops;
   ViewShelf::Views views;
 };
 
-/// Writes a map to `directory`/map.dvm, whole or not at all. `loops` are those of the graph, in its
-/// order. Throws InputError when it can't be written.
+/// Writes a map to `directory`/map.dvm, whole or not at all. `loops` tell which sequences are
+/// joined. Throws InputError when it can't be written.
 void WriteMap(const std::filesystem::path& directory,
               const MapMaker& maker,
               const KeyframeMap& keyframes,

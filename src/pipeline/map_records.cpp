@@ -62,21 +62,25 @@ bool AreInImage(const std::vector<Eigen::Vector2f>& pixels, const Camera& camera
 
 }  // namespace
 
-void WriteKeyframe(const StoredKeyframe& k, const PoseGraphNode& node, BinaryWriter* out) {
+void WriteKeyframe(const KeyframeMap& keyframes, int keyframe, BinaryWriter* out) {
+  const KeyframeMap::Keyframe& k = keyframes[keyframe];
+  const PoseGraphNode node = keyframes.node(keyframe);
+  const KeyframeFeatures nothing;
+  const KeyframeFeatures& f = k.is_place ? keyframes.features(keyframe) : nothing;
   out->Write(k.stamp_ns);
   out->Write(static_cast<std::int32_t>(node.sequence));
   out->Write(k.is_place);
   WritePose(node.T_W_B, out);
   out->Write(node.psi);
   WritePose(node.T_M_B(), out);
-  WritePose(k.features.T_B_C, out);
-  out->WriteAll(Flatten<2>(k.features.keypoints));
-  out->WriteAll(k.features.descriptors);
-  out->WriteAll(Flatten<3>(k.features.points_B));
-  out->WriteAll(Flatten<2>(k.features.point_pixels));
-  out->WriteAll(k.features.point_depth_sigmas);
-  out->WriteAll(k.features.point_ids);
-  out->WriteAll(k.features.point_descriptors);
+  WritePose(keyframes.T_B_C(keyframe), out);
+  out->WriteAll(Flatten<2>(f.keypoints));
+  out->WriteAll(f.descriptors);
+  out->WriteAll(Flatten<3>(f.points_B));
+  out->WriteAll(Flatten<2>(f.point_pixels));
+  out->WriteAll(f.point_depth_sigmas);
+  out->WriteAll(f.point_ids);
+  out->WriteAll(f.point_descriptors);
 }
 
 void ReadKeyframe(BinaryReader* in, const Camera& camera, StoredKeyframe* k, PoseGraphNode* node) {
@@ -109,18 +113,18 @@ void ReadKeyframe(BinaryReader* in, const Camera& camera, StoredKeyframe* k, Pos
   }
 }
 
-void WriteLoop(const PoseGraphLoop& loop, const LoopReport& report, BinaryWriter* out) {
-  out->Write(static_cast<std::int32_t>(loop.from));
-  out->Write(static_cast<std::int32_t>(loop.to));
-  WritePose(loop.T_from_to, out);
+void WriteLoop(const LoopReport& loop, BinaryWriter* out) {
+  out->Write(static_cast<std::int32_t>(loop.old));
+  out->Write(static_cast<std::int32_t>(loop.current));
+  WritePose(loop.T_Bold_Bcurrent, out);
   for (Eigen::Index i = 0; i < loop.covariance.size(); ++i) {
     out->Write(loop.covariance.data()[i]);
   }
-  out->Write(loop.weight);
-  out->Write(report.score);
-  out->Write(static_cast<std::int32_t>(report.matches));
-  out->Write(static_cast<std::int32_t>(report.inliers));
-  out->Write(report.is_virtual);
+  out->Write(PoseGraphLoop{}.weight);
+  out->Write(loop.score);
+  out->Write(static_cast<std::int32_t>(loop.matches));
+  out->Write(static_cast<std::int32_t>(loop.inliers));
+  out->Write(loop.is_virtual);
 }
 
 PoseGraphLoop ReadLoop(BinaryReader* in,

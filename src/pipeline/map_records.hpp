@@ -12,14 +12,14 @@ namespace deja_view {
 // What a map file holds, one record after the other. The readers throw InputError that names the
 // field for what can't be.
 
-void WriteKeyframe(const StoredKeyframe& keyframe, const PoseGraphNode& node, BinaryWriter* out);
+void WriteKeyframe(const KeyframeMap& keyframes, int keyframe, BinaryWriter* out);
 /// A keyframe of `camera`, and its node, which is a fixed one.
 void ReadKeyframe(BinaryReader* in,
                   const Camera& camera,
                   StoredKeyframe* keyframe,
                   PoseGraphNode* node);
 
-void WriteLoop(const PoseGraphLoop& loop, const LoopReport& report, BinaryWriter* out);
+void WriteLoop(const LoopReport& loop, BinaryWriter* out);
 /// A loop between two of `keyframes`.
 PoseGraphLoop ReadLoop(BinaryReader* in,
                        const std::vector<StoredKeyframe>& keyframes,

@@ -20,16 +20,23 @@ void SolveSchedule::NoteLoop(const PoseGraphLoop& loop, bool joins, const PoseGr
 }
 
 void SolveSchedule::StartIfDue(const PoseGraph& graph) {
-  if (pending_ || !(is_surprised_ || loops_ >= options_.every_loops)) {
+  const int window = graph.options().window;
+  const bool is_waited_for =
+      window > 0 && static_cast<int>(graph.window_size()) > window + window / 4;
+  if (pending_ || loops_ == 0 ||
+      !(is_surprised_ || is_waited_for || loops_ >= options_.every_loops)) {
     return;
   }
   Pending solve;
-  solve.snapshot = std::make_shared<PoseGraph>(graph);
-  solve.due = graph.size() + options_.latency - 1 + graph.size() / options_.nodes_per_latency;
+  solve.problem = std::make_shared<PoseGraphProblem>(
+      is_surprised_ ? graph.Problem()
+                    : graph.Problem(static_cast<std::size_t>(options_.most_nodes)));
+  solve.due = graph.size() + options_.latency - 1 +
+              static_cast<int>(solve.problem->nodes.size()) / options_.nodes_per_latency;
   if (executor_) {
-    solve.done = executor_([snapshot = solve.snapshot] { snapshot->Solve(); });
+    solve.done = executor_([problem = solve.problem] { problem->Solve(); });
   } else {
-    solve.snapshot->Solve();
+    solve.problem->Solve();
   }
   pending_ = std::move(solve);
   Reset();
@@ -50,7 +57,7 @@ void SolveSchedule::Finish(PoseGraph* graph) {
   if (pending_->done.valid()) {
     pending_->done.get();
   }
-  graph->TakeSolution(*pending_->snapshot);
+  graph->TakeSolution(*pending_->problem);
   pending_.reset();
 }
 

@@ -138,7 +138,7 @@ ViewOutcome ViewShelf::Attach(int keyframe, const VirtualView& sent, const Keyfr
   if (static_cast<int>(view.keypoints.size()) < options_.min_features) {
     return ViewOutcome::kUncertain;
   }
-  const KeyframeFeatures& source = keyframes[keyframe].features;
+  const KeyframeFeatures& source = keyframes.features(keyframe);
   if (!AgreesWithSource(source, view)) {
     return ViewOutcome::kDisagrees;
   }

@@ -11,8 +11,8 @@
 namespace deja_view {
 namespace {
 
-const PoseGraphNode& Node(const PoseGraph& graph, int i) {
-  return graph.nodes().at(static_cast<std::size_t>(i));
+PoseGraphNode Node(const PoseGraph& graph, int i) {
+  return graph.node(i);
 }
 
 }  // namespace
@@ -48,10 +48,10 @@ LoopConsistency::Comparison LoopConsistency::Compare(const PoseGraphLoop& a,
                                                      const PoseGraphLoop& b,
                                                      const PoseGraph& graph) const {
   Comparison result;
-  const PoseGraphNode& a_from = Node(graph, a.from);
-  const PoseGraphNode& b_from = Node(graph, b.from);
-  const PoseGraphNode& a_to = Node(graph, a.to);
-  const PoseGraphNode& b_to = Node(graph, b.to);
+  const PoseGraphNode a_from = Node(graph, a.from);
+  const PoseGraphNode b_from = Node(graph, b.from);
+  const PoseGraphNode a_to = Node(graph, a.to);
+  const PoseGraphNode b_to = Node(graph, b.to);
   if (a_from.sequence != b_from.sequence || a_to.sequence != b_to.sequence) {
     return result;
   }
@@ -94,22 +94,37 @@ LoopConsistency::Comparison LoopConsistency::Compare(const PoseGraphLoop& a,
 }
 
 double LoopConsistency::PathSinceLoop(int node, const PoseGraph& graph) const {
+  const int sequence = Node(graph, node).sequence;
   for (auto it = entries_.rbegin(); it != entries_.rend(); ++it) {
-    if (it->state == State::kAccepted &&
-        Node(graph, it->loop.to).sequence == Node(graph, node).sequence) {
+    if (it->state == State::kAccepted && Node(graph, it->loop.to).sequence == sequence) {
       return graph.PathLength(it->loop.to, node);
     }
   }
-  int first = node;
-  while (first > 0 && Node(graph, first - 1).sequence == Node(graph, node).sequence) {
-    --first;
+  const auto forgotten = forgotten_.find(sequence);
+  return forgotten != forgotten_.end() ? graph.PathLength(forgotten->second, node)
+                                       : graph.PathFromStart(node);
+}
+
+void LoopConsistency::ForgetOldest(const PoseGraph& graph) {
+  while (static_cast<int>(entries_.size()) > memory()) {
+    const Entry& oldest = entries_.front();
+    if (oldest.state == State::kAccepted) {
+      forgotten_[Node(graph, oldest.loop.to).sequence] = oldest.loop.to;
+    }
+    entries_.pop_front();
   }
-  return graph.PathLength(first, node);
+}
+
+void LoopConsistency::Withdraw(int tag) {
+  entries_.erase(
+      std::remove_if(
+          entries_.begin(), entries_.end(), [tag](const Entry& entry) { return entry.tag == tag; }),
+      entries_.end());
 }
 
 bool LoopConsistency::IsPlausible(const PoseGraphLoop& loop, const PoseGraph& graph) const {
-  const PoseGraphNode& from = Node(graph, loop.from);
-  const PoseGraphNode& to = Node(graph, loop.to);
+  const PoseGraphNode from = Node(graph, loop.from);
+  const PoseGraphNode to = Node(graph, loop.to);
   const double path = PathSinceLoop(loop.to, graph);
   const Eigen::Vector3d predicted = (from.T_M_B().Inverse() * to.T_M_B()).t;
   const double yaw =
@@ -276,6 +291,7 @@ LoopConsistency::Decision LoopConsistency::Add(const PoseGraphLoop& loop,
                                                int tag,
                                                const PoseGraph& graph) {
   entries_.push_back({loop, tag, State::kPending});
+  ForgetOldest(graph);
   const bool are_joined =
       graph.AreJoined(Node(graph, loop.from).sequence, Node(graph, loop.to).sequence);
   Decision decision;

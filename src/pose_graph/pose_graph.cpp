@@ -20,6 +20,19 @@ Eigen::Matrix4d SqrtInformation(const Eigen::Matrix4d& covariance) {
   return information.llt().matrixU();
 }
 
+void Erase(int value, std::vector<int>* list) {
+  const auto it = std::find(list->begin(), list->end(), value);
+  if (it != list->end()) {
+    list->erase(it);
+  }
+}
+
+void Insert(int value, std::vector<int>* list) {
+  if (std::find(list->begin(), list->end(), value) == list->end()) {
+    list->push_back(value);
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> PoseGraphOptions::Validate() const {
@@ -36,52 +49,125 @@ std::vector<std::string> PoseGraphOptions::Validate() const {
   r.That(kernel_scale > 0, "kernel_scale must be positive");
   r.That(kernel_graduation > 1, "kernel_graduation must be above 1");
   r.That(max_iterations > 0, "max_iterations must be positive");
+  r.That(window >= 0, "window must not be negative");
+  r.That(withdraw_weight >= 0 && withdraw_weight < 1, "withdraw_weight must be in [0, 1)");
+  r.That(withdraw_after > 0, "withdraw_after must be positive");
   return r.errors();
 }
 
 PoseGraph PoseGraph::FromParts(const PoseGraphOptions& options,
-                               std::vector<PoseGraphNode> nodes,
-                               std::vector<PoseGraphLoop> loops) {
+                               const std::vector<Part>& parts,
+                               const std::vector<PoseGraphLoop>& loops) {
   PoseGraph graph(options);
-  for (PoseGraphNode& node : nodes) {
-    const int index = graph.AddNode(node.sequence, node.T_W_B, node.is_fixed);
-    graph.nodes_[static_cast<std::size_t>(index)] = node;
+  for (const Part& part : parts) {
+    const int id = graph.AddNode(part.node.sequence, part.node.T_W_B, part.node.is_fixed);
+    graph.Live(id).node = part.node;
+    if (part.is_kept) {
+      graph.Keep(id);
+    }
   }
-  for (PoseGraphLoop& loop : loops) {
+  for (const PoseGraphLoop& loop : loops) {
     DEJA_VIEW_CHECK(loop.from >= 0 && loop.from < graph.size());
     DEJA_VIEW_CHECK(loop.to >= 0 && loop.to < graph.size());
-    const int a = graph.Group(graph.nodes_[static_cast<std::size_t>(loop.from)].sequence);
-    const int b = graph.Group(graph.nodes_[static_cast<std::size_t>(loop.to)].sequence);
+    const int a = graph.Group(graph.Record(loop.from).sequence);
+    const int b = graph.Group(graph.Record(loop.to).sequence);
     std::replace(graph.group_.begin(), graph.group_.end(), std::max(a, b), std::min(a, b));
-    graph.loops_.push_back(std::move(loop));
+    if (!graph.Record(loop.from).is_fixed || !graph.Record(loop.to).is_fixed) {
+      graph.AddLoop(loop);
+    }
+  }
+  // What never moves is no node that could be of use, unless it can be seen again.
+  const std::vector<int> live = graph.live_;
+  int holder = -1;
+  for (const int id : live) {
+    if (graph.Live(id).is_kept) {
+      holder = id;
+    } else if (graph.Record(id).is_fixed) {
+      graph.window_.erase(std::find(graph.window_.begin(), graph.window_.end(), id));
+      graph.Hang(id, {holder});
+    }
   }
   return graph;
 }
 
+int PoseGraph::TakeSlot() {
+  if (free_slots_.empty()) {
+    slots_.emplace_back();
+    return static_cast<int>(slots_.size()) - 1;
+  }
+  const int slot = free_slots_.back();
+  free_slots_.pop_back();
+  return slot;
+}
+
 int PoseGraph::AddNode(int sequence, const Rigid3& T_W_B, bool is_fixed) {
   DEJA_VIEW_CHECK_OP(sequence, >=, 0);
-  PoseGraphNode node;
-  node.sequence = sequence;
-  node.is_fixed = is_fixed;
-  node.T_W_B = T_W_B;
-  node.t_M_B = T_W_B.t;
-  double path = 0;
-  if (!nodes_.empty() && nodes_.back().sequence == sequence) {
-    const Rigid3 T_M_W = Correction(size() - 1);
-    node.psi = nodes_.back().psi;
-    node.t_M_B = T_M_W * T_W_B.t;
-    path = path_.back() + (T_W_B.t - nodes_.back().T_W_B.t).norm();
+  const int id = size();
+  const bool is_first = id == 0 || keyframes_.back().sequence != sequence;
+  Keyframe keyframe;
+  keyframe.q_W_B = T_W_B.q.coeffs();
+  keyframe.t_W_B = T_W_B.t;
+  keyframe.sequence = sequence;
+  keyframe.is_fixed = is_fixed;
+  Slot slot;
+  slot.node = {sequence, is_fixed, T_W_B, 0.0, T_W_B.t};
+  slot.is_kept = is_first;
+  if (!is_first) {
+    slot.node.psi = node(id - 1).psi;
+    slot.node.t_M_B = Correction(id - 1) * T_W_B.t;
+    keyframe.path = keyframes_.back().path + (T_W_B.t - keyframes_.back().t_W_B).norm();
   }
   while (static_cast<int>(group_.size()) <= sequence) {
     group_.push_back(static_cast<int>(group_.size()));
+    first_.push_back(id);
   }
-  nodes_.push_back(node);
-  path_.push_back(path);
-  return size() - 1;
+  keyframe.slot = TakeSlot();
+  keyframes_.push_back(keyframe);
+  live_.push_back(id);
+  if (!is_first) {
+    window_.push_back(id);
+  }
+  slots_[static_cast<std::size_t>(keyframe.slot)] = std::move(slot);
+  if (!is_first) {
+    AddOdometry(id - 1, id);
+  }
+  return id;
+}
+
+void PoseGraph::Keep(int node) {
+  DEJA_VIEW_CHECK(IsLive(node));
+  Live(node).is_kept = true;
+  const auto it = std::find(window_.rbegin(), window_.rend(), node);
+  if (it != window_.rend()) {
+    window_.erase(std::next(it).base());
+  }
+}
+
+PoseGraphNode PoseGraph::node(int i) const {
+  const Keyframe& k = Record(i);
+  if (k.slot >= 0) {
+    return Live(i).node;
+  }
+  PoseGraphNode node = {
+      k.sequence, k.is_fixed, {Eigen::Quaterniond(k.q_W_B), k.t_W_B}, 0.0, Eigen::Vector3d::Zero()};
+  const auto place = [&](const Hook& hook) {
+    const PoseGraphNode& holder = Live(hook.holder).node;
+    node.psi = WrapAngle(holder.psi + hook.psi);
+    node.t_M_B = holder.t_M_B + FromYaw(holder.psi) * hook.t;
+  };
+  place(k.hooks[0]);
+  if (k.hooks[1].holder >= 0) {
+    const PoseGraphNode first = node;
+    const auto share = static_cast<double>(k.share);
+    place(k.hooks[1]);
+    node.psi = WrapAngle(first.psi + share * WrapAngle(node.psi - first.psi));
+    node.t_M_B = (1.0 - share) * first.t_M_B + share * node.t_M_B;
+  }
+  return node;
 }
 
 Rigid3 PoseGraph::Correction(int node) const {
-  const PoseGraphNode& n = nodes_.at(static_cast<std::size_t>(node));
+  const PoseGraphNode n = this->node(node);
   const Eigen::Quaterniond q = FromYaw(n.psi);
   return {q, n.t_M_B - q * n.T_W_B.t};
 }
@@ -91,39 +177,57 @@ int PoseGraph::Group(int sequence) const {
 }
 
 bool PoseGraph::IsAnchored(int sequence) const {
-  return !nodes_.empty() && Group(sequence) == Group(nodes_.front().sequence);
+  return !keyframes_.empty() && Group(sequence) == Group(keyframes_.front().sequence);
 }
 
 double PoseGraph::PathLength(int from, int to) const {
-  return std::abs(path_.at(static_cast<std::size_t>(to)) -
-                  path_.at(static_cast<std::size_t>(from)));
+  return std::abs(Record(to).path - Record(from).path);
 }
 
-void PoseGraph::AddLoop(const PoseGraphLoop& loop) {
+PoseGraphLoop PoseGraph::WithLiveEnds(PoseGraphLoop loop) const {
+  if (!IsLive(loop.to)) {
+    const int holder = Record(loop.to).hooks[0].holder;
+    loop.T_from_to = loop.T_from_to * (node(loop.to).T_M_B().Inverse() * node(holder).T_M_B());
+    loop.to = holder;
+  }
+  if (!IsLive(loop.from)) {
+    const int holder = Record(loop.from).hooks[0].holder;
+    loop.T_from_to = node(holder).T_M_B().Inverse() * node(loop.from).T_M_B() * loop.T_from_to;
+    loop.from = holder;
+  }
+  return loop;
+}
+
+int PoseGraph::AddLoop(const PoseGraphLoop& loop) {
   DEJA_VIEW_CHECK(loop.from >= 0 && loop.from < size());
   DEJA_VIEW_CHECK(loop.to >= 0 && loop.to < size());
-  const auto& from = nodes_[static_cast<std::size_t>(loop.from)];
-  const auto& to = nodes_[static_cast<std::size_t>(loop.to)];
-  if (Group(from.sequence) != Group(to.sequence)) {
+  if (Group(Record(loop.from).sequence) != Group(Record(loop.to).sequence)) {
     JoinGroups(loop);
   }
-  loops_.push_back(loop);
+  const int id = next_loop_++;
+  const PoseGraphLoop added = WithLiveEnds(loop);
+  if (added.from != added.to) {
+    loops_.emplace_hint(loops_.end(), id, added);
+    Live(added.from).loops.push_back(id);
+    Live(added.to).loops.push_back(id);
+  }
+  return id;
 }
 
-bool PoseGraph::UpdateLoop(int from, int to, const Rigid3& T_from_to) {
-  const auto it = std::find_if(loops_.rbegin(), loops_.rend(), [&](const PoseGraphLoop& loop) {
-    return loop.from == from && loop.to == to;
-  });
-  if (it == loops_.rend()) {
-    return false;
-  }
-  it->T_from_to = T_from_to;
-  return true;
+void PoseGraph::UpdateLoop(int id, const Rigid3& T_from_to) {
+  loops_.at(id).T_from_to = T_from_to;
+}
+
+void PoseGraph::RemoveLoop(int id) {
+  const PoseGraphLoop& loop = loops_.at(id);
+  Erase(id, &Live(loop.from).loops);
+  Erase(id, &Live(loop.to).loops);
+  loops_.erase(id);
 }
 
 void PoseGraph::JoinGroups(const PoseGraphLoop& loop) {
-  const PoseGraphNode& from = nodes_[static_cast<std::size_t>(loop.from)];
-  const PoseGraphNode& to = nodes_[static_cast<std::size_t>(loop.to)];
+  const PoseGraphNode from = node(loop.from);
+  const PoseGraphNode to = node(loop.to);
   const int from_group = Group(from.sequence);
   const int to_group = Group(to.sequence);
   const bool moves_to = from_group < to_group;
@@ -137,7 +241,8 @@ void PoseGraph::JoinGroups(const PoseGraphLoop& loop) {
       ToYawTransform({T_M_end.q * end.T_M_B().q.conjugate(), Eigen::Vector3d::Zero()}).yaw;
   const Eigen::Quaterniond q = FromYaw(yaw);
   const Eigen::Vector3d t = T_M_end.t - q * end.t_M_B;
-  for (PoseGraphNode& node : nodes_) {
+  for (const int id : live_) {
+    PoseGraphNode& node = Live(id).node;
     if (Group(node.sequence) == moved) {
       node.psi = WrapAngle(node.psi + yaw);
       node.t_M_B = q * node.t_M_B + t;
@@ -146,15 +251,52 @@ void PoseGraph::JoinGroups(const PoseGraphLoop& loop) {
   std::replace(group_.begin(), group_.end(), moved, kept);
 }
 
-Eigen::Matrix4d PoseGraph::OdometrySqrtInformation(double distance) const {
+Eigen::Matrix4d PoseGraph::OdometryInformation(double distance) const {
   const double root = std::sqrt(distance);
   const double sigma_t =
       std::hypot(options_.odometry_sigma_floor_m, options_.odometry_sigma_per_sqrt_m * root);
   const double sigma_psi = kDegree * std::hypot(options_.odometry_yaw_sigma_floor_deg,
                                                 options_.odometry_yaw_sigma_per_sqrt_m_deg * root);
-  Eigen::Matrix4d L = Eigen::Matrix4d::Zero();
-  L.diagonal() << 1 / sigma_t, 1 / sigma_t, 1 / sigma_t, 1 / sigma_psi;
-  return L;
+  const Eigen::Vector4d L(1 / sigma_t, 1 / sigma_t, 1 / sigma_t, 1 / sigma_psi);
+  return L.cwiseAbs2().asDiagonal();
+}
+
+void PoseGraph::AddOdometry(int from, int to) {
+  const PoseGraphNode& i = Live(from).node;
+  const PoseGraphNode& j = Live(to).node;
+  if (i.is_fixed && j.is_fixed) {
+    return;
+  }
+  PoseGraphTie tie;
+  tie.from = from;
+  tie.to = to;
+  tie.t_I_J = i.T_W_B.q.conjugate() * (j.T_W_B.t - i.T_W_B.t);
+  tie.information = OdometryInformation(tie.t_I_J.norm());
+  AddTie(tie);
+}
+
+void PoseGraph::AddTie(const PoseGraphTie& tie) {
+  DEJA_VIEW_CHECK_OP(tie.from, <, tie.to);
+  const auto [it, is_new] = ties_.try_emplace({tie.from, tie.to}, tie);
+  if (is_new) {
+    Insert(tie.to, &Live(tie.from).neighbours);
+    Insert(tie.from, &Live(tie.to).neighbours);
+    return;
+  }
+  // Two measurements of one thing: their errors are linear in what is measured.
+  PoseGraphTie& known = it->second;
+  Eigen::Vector4d difference;
+  difference << tie.t_I_J - known.t_I_J, WrapAngle(tie.delta_psi - known.delta_psi);
+  known.information += tie.information;
+  const Eigen::Vector4d step = known.information.ldlt().solve(tie.information * difference);
+  known.t_I_J += step.head<3>();
+  known.delta_psi = WrapAngle(known.delta_psi + step[3]);
+}
+
+void PoseGraph::RemoveTie(int a, int b) {
+  ties_.erase({std::min(a, b), std::max(a, b)});
+  Erase(a, &Live(b).neighbours);
+  Erase(b, &Live(a).neighbours);
 }
 
 Eigen::Matrix3d PoseGraph::LoopCommonCovariance(const Eigen::Vector3d& t_from_to) const {
@@ -166,7 +308,7 @@ Eigen::Matrix3d PoseGraph::LoopCommonCovariance(const Eigen::Vector3d& t_from_to
 Eigen::Matrix4d PoseGraph::LoopSqrtInformation(const PoseGraphLoop& loop) const {
   // psi's part of the rotation vector (frame `from`) is its component along gravity.
   const Eigen::Vector3d up =
-      nodes_[static_cast<std::size_t>(loop.from)].T_W_B.q.conjugate() * Eigen::Vector3d::UnitZ();
+      Eigen::Quaterniond(Record(loop.from).q_W_B).conjugate() * Eigen::Vector3d::UnitZ();
   Eigen::Matrix<double, 4, 6> J = Eigen::Matrix<double, 4, 6>::Zero();
   J.topLeftCorner<3, 3>().setIdentity();
   J.bottomRightCorner<1, 3>() = up.transpose();
@@ -177,37 +319,12 @@ Eigen::Matrix4d PoseGraph::LoopSqrtInformation(const PoseGraphLoop& loop) const 
 }
 
 double PoseGraph::SquaredError(const PoseGraphLoop& loop) const {
-  const PoseGraphNode& from = nodes_.at(static_cast<std::size_t>(loop.from));
-  const PoseGraphNode& to = nodes_.at(static_cast<std::size_t>(loop.to));
+  const PoseGraphNode from = node(loop.from);
+  const PoseGraphNode to = node(loop.to);
   Eigen::Vector4d e;
   e.head<3>() = from.T_M_B().Inverse() * to.t_M_B - loop.T_from_to.t;
   e[3] = WrapAngle(to.psi - from.psi - DeltaPsi(from.T_W_B.q, loop.T_from_to.q, to.T_W_B.q));
   return (LoopSqrtInformation(loop) * e).squaredNorm();
-}
-
-void PoseGraph::TakeSolution(const PoseGraph& snapshot) {
-  DEJA_VIEW_CHECK_OP(snapshot.size(), <=, size());
-  // Sequences that were joined to others since stay where that has put them.
-  const auto was_solved = [&](int sequence) {
-    return sequence < static_cast<int>(snapshot.group_.size()) &&
-           snapshot.Group(sequence) == Group(sequence);
-  };
-  for (int i = 0; i < size(); ++i) {
-    PoseGraphNode& node = nodes_[static_cast<std::size_t>(i)];
-    if (!was_solved(node.sequence)) {
-      continue;
-    }
-    if (i < snapshot.size()) {
-      node.psi = snapshot.nodes_[static_cast<std::size_t>(i)].psi;
-      node.t_M_B = snapshot.nodes_[static_cast<std::size_t>(i)].t_M_B;
-    } else if (i > 0 && nodes_[static_cast<std::size_t>(i - 1)].sequence == node.sequence) {
-      node.psi = nodes_[static_cast<std::size_t>(i - 1)].psi;
-      node.t_M_B = Correction(i - 1) * node.T_W_B.t;
-    }
-  }
-  for (std::size_t i = 0; i < snapshot.loops_.size(); ++i) {
-    loops_[i].weight = snapshot.loops_[i].weight;
-  }
 }
 
 }  // namespace deja_view

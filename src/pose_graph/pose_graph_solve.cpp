@@ -1,138 +1,154 @@
-#include "deja_view/pose_graph/four_dof_error.hpp"
+// What of a pose graph is solved, and what becomes of the solution.
+#include "deja_view/base/check.hpp"
 #include "deja_view/pose_graph/pose_graph.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <deque>
 #include <vector>
 
-#include <ceres/problem.h>
-#include <ceres/solver.h>
-#include <fmt/format.h>
-
 namespace deja_view {
-namespace {
 
-FourDofError::Measurement OdometryMeasurement(const PoseGraphNode& i, const PoseGraphNode& j) {
+FourDofError::Measurement PoseGraph::Measurement(const PoseGraphTie& tie) const {
   FourDofError::Measurement m;
-  m.t_I_J = i.T_W_B.q.conjugate() * (j.T_W_B.t - i.T_W_B.t);
-  m.R_W_I = i.T_W_B.R();
+  m.t_I_J = tie.t_I_J;
+  m.delta_psi = tie.delta_psi;
+  m.R_W_I = Eigen::Quaterniond(Record(tie.from).q_W_B).toRotationMatrix();
+  m.sqrt_information = tie.information.llt().matrixU();
   return m;
 }
 
-FourDofError::Measurement LoopMeasurement(const PoseGraphLoop& loop,
-                                          const PoseGraphNode& i,
-                                          const PoseGraphNode& j) {
+FourDofError::Measurement PoseGraph::Measurement(const PoseGraphLoop& loop) const {
+  const Eigen::Quaterniond q_W_I(Record(loop.from).q_W_B);
   FourDofError::Measurement m;
   m.t_I_J = loop.T_from_to.t;
-  m.delta_psi = DeltaPsi(i.T_W_B.q, loop.T_from_to.q, j.T_W_B.q);
-  m.R_W_I = i.T_W_B.R();
+  m.delta_psi = DeltaPsi(q_W_I, loop.T_from_to.q, Eigen::Quaterniond(Record(loop.to).q_W_B));
+  m.R_W_I = q_W_I.toRotationMatrix();
+  m.sqrt_information = LoopSqrtInformation(loop);
   return m;
 }
 
-ceres::Solver::Options SolverOptions(const PoseGraphOptions& options) {
-  ceres::Solver::Options solver;
-  solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-  solver.max_num_iterations = options.max_iterations;
-  solver.function_tolerance = 1e-5;
-  solver.num_threads = 1;
-  solver.logging_type = ceres::SILENT;
-  solver.initial_trust_region_radius = 1e8;
-  return solver;
+// The first node of a group of sequences holds its world.
+bool PoseGraph::IsConstant(int node) const {
+  const Keyframe& k = Record(node);
+  return k.is_fixed || first_[static_cast<std::size_t>(Group(k.sequence))] == node;
 }
 
-/// Geman-McClure line process for the squared error r2 [sigma^2] and a kernel `mu` times wider than
-/// c.
-double LineProcess(double r2, double c2, double mu) {
-  const double w = mu * c2 / (r2 + mu * c2);
-  return w * w;
-}
-
-}  // namespace
-
-std::string PoseGraph::Summary::ToString() const {
-  return fmt::format("{} nodes, {} loops: cost {:.4g} -> {:.4g} in {} iterations, {} rounds",
-                     nodes,
-                     loops,
-                     initial_cost,
-                     final_cost,
-                     iterations,
-                     rounds);
-}
-
-void PoseGraph::FillProblem(double mu, ceres::Problem* problem) {
-  const double c2 = options_.kernel_scale * options_.kernel_scale;
-  std::vector<bool> has_anchor(group_.size(), false);
-  for (PoseGraphNode& node : nodes_) {
-    problem->AddParameterBlock(&node.psi, 1);
-    problem->AddParameterBlock(node.t_M_B.data(), 3);
-    const auto group = static_cast<std::size_t>(Group(node.sequence));
-    if (node.is_fixed || !has_anchor[group]) {
-      has_anchor[group] = true;
-      problem->SetParameterBlockConstant(&node.psi);
-      problem->SetParameterBlockConstant(node.t_M_B.data());
-    }
+// Breadth first from the nodes that are no places, the newest first.
+std::vector<int> PoseGraph::Scope(std::size_t most) const {
+  if (live_.size() <= most) {
+    return live_;
   }
-  const auto add = [&](int from, int to, const FourDofError::Measurement& m, double weight) {
-    PoseGraphNode& i = nodes_[static_cast<std::size_t>(from)];
-    PoseGraphNode& j = nodes_[static_cast<std::size_t>(to)];
-    problem->AddResidualBlock(std::make_unique<FourDofError>(m, weight).release(),
-                              nullptr,
-                              &i.psi,
-                              i.t_M_B.data(),
-                              &j.psi,
-                              j.t_M_B.data());
+  std::vector<bool> is_seen(slots_.size(), false);
+  std::deque<int> queue;
+  std::vector<int> scope;
+  const auto see = [&](int node) {
+    if (!is_seen[static_cast<std::size_t>(Record(node).slot)]) {
+      is_seen[static_cast<std::size_t>(Record(node).slot)] = true;
+      queue.push_back(node);
+    }
   };
-  for (int i = 1; i < size(); ++i) {
-    const PoseGraphNode& a = nodes_[static_cast<std::size_t>(i - 1)];
-    const PoseGraphNode& b = nodes_[static_cast<std::size_t>(i)];
-    if (a.sequence == b.sequence && !(a.is_fixed && b.is_fixed)) {
-      auto m = OdometryMeasurement(a, b);
-      m.sqrt_information = OdometrySqrtInformation(m.t_I_J.norm());
-      add(i - 1, i, m, 1.0);
+  std::for_each(window_.rbegin(), window_.rend(), see);
+  while (!queue.empty() && scope.size() < most) {
+    const int node = queue.front();
+    queue.pop_front();
+    scope.push_back(node);
+    std::for_each(Live(node).neighbours.begin(), Live(node).neighbours.end(), see);
+    for (const int id : Live(node).loops) {
+      see(loop(id).from);
+      see(loop(id).to);
     }
   }
-  for (PoseGraphLoop& loop : loops_) {
-    const PoseGraphNode& i = nodes_[static_cast<std::size_t>(loop.from)];
-    const PoseGraphNode& j = nodes_[static_cast<std::size_t>(loop.to)];
-    if (!(i.is_fixed && j.is_fixed)) {
-      loop.weight = LineProcess(SquaredError(loop), c2, mu);
-      auto m = LoopMeasurement(loop, i, j);
-      m.sqrt_information = LoopSqrtInformation(loop);
-      add(loop.from, loop.to, m, std::sqrt(loop.weight));
+  std::sort(scope.begin(), scope.end());
+  return scope;
+}
+
+PoseGraphProblem PoseGraph::Problem(std::size_t most) const {
+  PoseGraphProblem problem;
+  problem.options = options_;
+  problem.graph_size = size();
+  problem.groups = group_;
+  AddEdges(Scope(most), &problem);
+  return problem;
+}
+
+void PoseGraph::AddEdges(const std::vector<int>& scope, PoseGraphProblem* problem) const {
+  std::vector<int> index(slots_.size(), -1);
+  const auto node_of = [&](int id, bool is_constant) {
+    int& i = index[static_cast<std::size_t>(Record(id).slot)];
+    if (i < 0) {
+      i = static_cast<int>(problem->nodes.size());
+      const PoseGraphNode& node = Live(id).node;
+      problem->nodes.push_back({id, is_constant, node.psi, node.t_M_B});
+    }
+    return static_cast<std::size_t>(i);
+  };
+  std::vector<bool> is_free(slots_.size(), false);
+  for (const int id : scope) {
+    if (!IsConstant(id)) {
+      is_free[static_cast<std::size_t>(Record(id).slot)] = true;
+      node_of(id, false);
+    }
+  }
+  const auto is_free_node = [&](int id) {
+    return static_cast<bool>(is_free[static_cast<std::size_t>(Record(id).slot)]);
+  };
+  // Each edge once: at its younger free end.
+  const auto add = [&](int id, const auto& edge, int loop, double weight) {
+    const int other = edge.from == id ? edge.to : edge.from;
+    if (!is_free_node(other) || other < id) {
+      const std::size_t from = node_of(edge.from, !is_free_node(edge.from));
+      const std::size_t to = node_of(edge.to, !is_free_node(edge.to));
+      problem->edges.push_back({from, to, Measurement(edge), loop, weight});
+    }
+  };
+  for (const int id : scope) {
+    if (!is_free_node(id)) {
+      continue;
+    }
+    for (const int other : Live(id).neighbours) {
+      add(id, ties_.at({std::min(id, other), std::max(id, other)}), -1, 1.0);
+    }
+    for (const int loop_id : Live(id).loops) {
+      add(id, loop(loop_id), loop_id, loop(loop_id).weight);
     }
   }
 }
 
 PoseGraph::Summary PoseGraph::Solve() {
-  Summary summary;
-  double largest = 0;
-  for (const PoseGraphLoop& loop : loops_) {
-    largest = std::max(largest, SquaredError(loop));
-  }
-  if (loops_.empty()) {
-    return summary;
-  }
-  // The Geman-McClure cost is convex in r where r^2 < mu c^2 / 3.
-  const double c2 = options_.kernel_scale * options_.kernel_scale;
-  double mu = std::max(1.0, 3.0 * largest / c2);
-  bool is_last = false;
-  while (!is_last) {
-    is_last = mu <= 1.0;
-    ceres::Problem::Options problem_options;
-    problem_options.disable_all_safety_checks = true;
-    ceres::Problem problem(problem_options);
-    FillProblem(mu, &problem);
-    ceres::Solver::Summary result;
-    ceres::Solve(SolverOptions(options_), &problem, &result);
-    summary.initial_cost = summary.rounds == 0 ? result.initial_cost : summary.initial_cost;
-    summary.final_cost = result.final_cost;
-    summary.iterations += static_cast<int>(result.iterations.size());
-    ++summary.rounds;
-    mu = std::max(1.0, mu / options_.kernel_graduation);
-  }
-  summary.nodes = size();
-  summary.loops = static_cast<int>(loops_.size());
+  PoseGraphProblem problem = Problem();
+  const Summary summary = problem.Solve();
+  TakeSolution(problem);
   return summary;
+}
+
+void PoseGraph::TakeSolution(const PoseGraphProblem& solved) {
+  DEJA_VIEW_CHECK_OP(solved.graph_size, <=, size());
+  // Sequences that were joined to others since stay where that has put them.
+  const auto was_solved = [&](int sequence) {
+    const auto s = static_cast<std::size_t>(sequence);
+    return s < solved.groups.size() && solved.groups[s] == Group(sequence);
+  };
+  for (const PoseGraphProblem::Node& node : solved.nodes) {
+    if (!node.is_constant && was_solved(Record(node.id).sequence)) {
+      PoseGraphNode& mine = Live(node.id).node;
+      mine.psi = node.psi;
+      mine.t_M_B = node.t_M_B;
+    }
+  }
+  for (int i = std::max(1, solved.graph_size); i < size(); ++i) {
+    PoseGraphNode& node = Live(i).node;
+    if (was_solved(node.sequence) && Record(i - 1).sequence == node.sequence) {
+      node.psi = this->node(i - 1).psi;
+      node.t_M_B = Correction(i - 1) * node.T_W_B.t;
+    }
+  }
+  for (const PoseGraphProblem::Edge& edge : solved.edges) {
+    if (edge.loop >= 0) {
+      PoseGraphLoop& loop = loops_.at(edge.loop);
+      loop.weight = edge.weight;
+      loop.contradicted = edge.weight < options_.withdraw_weight ? loop.contradicted + 1 : 0;
+    }
+  }
 }
 
 }  // namespace deja_view

@@ -17,6 +17,7 @@ struct NodeOptions {
                                  ///< more: the oldest is dropped
   double drain_s = 8.0;  ///< [s] for the keyframes that still wait when the node is told to stop
   double path_rate_hz = 5.0;  ///< [Hz] of paths and the pose graph's markers, when they changed
+  int path_poses = 10000;     ///< of all paths together at most; a longer flight's are thinned
   double diagnostics_rate_hz = 1.0;  ///< [Hz]
   bool match_image = true;  ///< keep small pictures of the keyframes, to show loops (10 kB each)
   int match_image_memory = 2000;  ///< newest keyframes whose picture is kept
@@ -31,6 +32,7 @@ struct NodeOptions {
     v("queue_memory_mb", queue_memory_mb);
     v("drain_s", drain_s);
     v("path_rate_hz", path_rate_hz);
+    v("path_poses", path_poses);
     v("diagnostics_rate_hz", diagnostics_rate_hz);
     v("match_image", match_image);
     v("match_image_memory", match_image_memory);

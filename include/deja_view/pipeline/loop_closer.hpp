@@ -54,7 +54,9 @@ class LoopCloser {
   bool UpdateLoop(int current, const Rigid3& T_Bold_Bcurrent);
 
   /// Solves the graph to convergence over everything added so far; call at the end of a flight.
-  void OptimizeFully();
+  /// Returns the loops that it contradicts and that were withdrawn, as KeyframeReport::loops tells
+  /// of them.
+  std::vector<LoopReport> OptimizeFully();
 
   int keyframe_count() const;
   KeyframeInfo keyframe(int index) const;
@@ -73,7 +75,8 @@ class LoopCloser {
   /// T_M_W of the current sequence: corrects the newest VIO poses. Four degrees of freedom.
   Rigid3 drift() const;
 
-  /// Accepted loops in the graph now.
+  /// Accepted loops in the graph now, of a loaded map first. Those that have become part of what
+  /// places know of each other (PoseGraph) are none any more.
   std::vector<LoopReport> accepted_loops() const;
 
   /// Writes the whole map (keyframes, features, graph) to `directory`/map.dvm: versioned,

@@ -47,8 +47,9 @@ struct CandidateOptions {
 struct SolveOptions {
   int every_loops = 100;  ///< accepted loops after which the graph is solved
   double surprise =
-      4.0;          ///< [sigma] a loop that disagrees more with the present state: solved at once
-  int latency = 2;  ///< keyframes until a solution is taken over...
+      4.0;  ///< [sigma] a loop that disagrees more with the present state: solved at once
+  int most_nodes = 500;  ///< that are solved where no loop was a surprise: the newest, and around
+  int latency = 2;       ///< keyframes until a solution is taken over...
   int nodes_per_latency =
       300;             ///< ...and one more per so many nodes, so that it never has to be waited for
   bool at_end = true;  ///< OptimizeFully solves to convergence
@@ -57,6 +58,7 @@ struct SolveOptions {
   void Visit(Visitor& v) {
     v("every_loops", every_loops);
     v("surprise", surprise);
+    v("most_nodes", most_nodes);
     v("latency", latency);
     v("nodes_per_latency", nodes_per_latency);
     v("at_end", at_end);

@@ -110,7 +110,8 @@ struct KeyframeReport {
   RejectReason reason = RejectReason::kNoCandidate;  ///< kNone when at least one loop was accepted
   /// Candidates verified for this keyframe, and loops of earlier keyframes that became consistent
   /// (or were found inconsistent) now. A pair may be reported twice: first kInconsistent (pending),
-  /// later accepted.
+  /// later accepted; and once more, kWithdrawn, when the graph contradicts an accepted one: it is
+  /// gone from graph and map.
   std::vector<LoopReport> loops;
   std::optional<BestPlace> best_place;  ///< whether or not it reached any threshold
   std::optional<Relocalisation> relocalisation;

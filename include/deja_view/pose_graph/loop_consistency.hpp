@@ -2,6 +2,9 @@
 
 #include "deja_view/pose_graph/pose_graph.hpp"
 
+#include <algorithm>
+#include <deque>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -84,6 +87,10 @@ class LoopConsistency {
   /// Adds a verified loop and decides on it and on those that waited; `graph` holds both nodes and
   /// not yet the loop.
   Decision Add(const PoseGraphLoop& loop, int tag, const PoseGraph& graph);
+  /// The graph contradicts a believed loop: it speaks for no other one any more.
+  void Withdraw(int tag);
+  /// Newest loops that are remembered; an older one is not decided on again.
+  int memory() const { return std::max(options_.window, options_.span_window); }
 
   /// True when the loops' cycle closes; false when it does not; `is_comparable` is false when the
   /// odometry between them is too long, or missing, to tell.
@@ -112,9 +119,12 @@ class LoopConsistency {
   bool IsBelieved(const Entry& entry, const PoseGraph& graph, bool* is_implausible) const;
   bool IsPlausible(const PoseGraphLoop& loop, const PoseGraph& graph) const;
   double PathSinceLoop(int node, const PoseGraph& graph) const;
+  void ForgetOldest(const PoseGraph& graph);
 
   LoopConsistencyOptions options_;
-  std::vector<Entry> entries_;
+  std::deque<Entry> entries_;
+  /// Per sequence: node of the newest believed loop among those forgotten.
+  std::map<int, int> forgotten_;
 };
 
 }  // namespace deja_view

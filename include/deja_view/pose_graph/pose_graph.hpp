@@ -1,144 +1,180 @@
 #pragma once
 
-#include "deja_view/geometry/rigid3.hpp"
+#include "deja_view/pose_graph/pose_graph_parts.hpp"
+#include "deja_view/pose_graph/pose_graph_problem.hpp"
 
-#include <string>
+#include <array>
+#include <deque>
+#include <limits>
+#include <map>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
 
-namespace ceres {
-class Problem;
-}
-
 namespace deja_view {
 
-struct PoseGraphOptions {
-  // VIO's drift as a random walk between consecutive keyframes.
-  double odometry_sigma_floor_m = 0.001;           ///< [m] per step
-  double odometry_sigma_per_sqrt_m = 0.018;        ///< [m / sqrt(m)]
-  double odometry_yaw_sigma_floor_deg = 0.005;     ///< [deg] per step
-  double odometry_yaw_sigma_per_sqrt_m_deg = 0.2;  ///< [deg / sqrt(m)]
-  // What a loop's own covariance does not know: common errors of the points (scale, window drift).
-  double loop_sigma_floor_m = 0.01;  ///< [m] per axis
-  double loop_sigma_per_m = 0.005;   ///< [m/m] more per metre between the two bodies
-  double loop_scale_sigma = 0.05;    ///< of the distance: the scale of the VIO's points wavers
-  double loop_yaw_sigma_floor_deg = 0.15;  ///< [deg]
-  double kernel_scale = 3.0;               ///< [sigma] of the Geman-McClure kernel on loops
-  double kernel_graduation = 2.0;          ///< factor by which the kernel narrows per round, > 1
-  int max_iterations = 10;                 ///< of the solver, per round
-
-  template <typename Visitor>
-  void Visit(Visitor& v) {
-    v("odometry_sigma_floor_m", odometry_sigma_floor_m);
-    v("odometry_sigma_per_sqrt_m", odometry_sigma_per_sqrt_m);
-    v("odometry_yaw_sigma_floor_deg", odometry_yaw_sigma_floor_deg);
-    v("odometry_yaw_sigma_per_sqrt_m_deg", odometry_yaw_sigma_per_sqrt_m_deg);
-    v("loop_sigma_floor_m", loop_sigma_floor_m);
-    v("loop_sigma_per_m", loop_sigma_per_m);
-    v("loop_scale_sigma", loop_scale_sigma);
-    v("loop_yaw_sigma_floor_deg", loop_yaw_sigma_floor_deg);
-    v("kernel_scale", kernel_scale);
-    v("kernel_graduation", kernel_graduation);
-    v("max_iterations", max_iterations);
-  }
-  std::vector<std::string> Validate() const;
-};
-
-/// A keyframe of the graph.
-struct PoseGraphNode {
-  int sequence = 0;
-  bool is_fixed = false;  ///< part of a loaded map: never moves
-  Rigid3 T_W_B;           ///< as received from the VIO
-  double psi = 0;         ///< [rad] correction about the map's z: R_M_B = Rz(psi) R_W_B
-  Eigen::Vector3d t_M_B = Eigen::Vector3d::Zero();  ///< [m]
-
-  Rigid3 T_M_B() const { return {(FromYaw(psi) * T_W_B.q).normalized(), t_M_B}; }
-};
-
-/// A loop constraint between two nodes, `from` the older one.
-struct PoseGraphLoop {
-  int from = -1;
-  int to = -1;
-  Rigid3 T_from_to;  ///< measured [m]
-  Eigen::Matrix<double, 6, 6> covariance =
-      Eigen::Matrix<double, 6, 6>::Identity();  ///< of (t, rotation vector) in frame `from`
-  double scene_depth = 5.0;  ///< [m] median distance of the points it rests on: the scene's scale
-  double weight = 1.0;       ///< line process of the robust kernel after the last solve, in [0, 1]
-};
-
-/// 4-DoF pose graph over keyframes: a chain of odometry edges per sequence, loops between any two
-/// nodes. The first node of the map is the anchor. Sequences that no loop joins to the anchor's
-/// keep a world of their own, held by their first node. A value: copy it to solve a snapshot
-/// elsewhere.
+/// 4-DoF pose graph over keyframes: a chain of odometry per sequence, loops between any two nodes.
+/// The first node of the map is the anchor. Sequences that no loop joins to the anchor's keep a
+/// world of their own, held by their first node.
+///
+/// It grows with the space that is flown through, not with time, as the reduced pose graph of
+/// Johannsson et al. (Temporally scalable visual SLAM using a reduced pose graph, ICRA 2013): the
+/// nodes that stay are places, the first of each sequence, and the newest few. Reduce drops the
+/// others with the information kept: a stretch of them is marginalised, and what the nodes around
+/// it thereby know of each other is kept as the tree of relative poses that keeps most of it
+/// (Kretzschmar and Stachniss, Information-theoretic compression of pose graphs, IJRR 2012; in
+/// closed form for a tree: Mazuran et al., Nonlinear factor recovery, IJRR 2016). These and not a
+/// fixed lag, since a drone that comes back after an hour must find the map still free to bend. A
+/// dropped node keeps its pose relative to the nearest two that stay.
 class PoseGraph {
  public:
   explicit PoseGraph(const PoseGraphOptions& options) : options_(options) {}
 
+  struct Part {
+    PoseGraphNode node;
+    bool is_kept = true;  ///< a place; else, where it is fixed, it is dropped at once
+  };
   /// A graph from saved parts, each node where it is; the loops tell which sequences are joined.
+  /// Loops between two fixed nodes have told all by that, and are no loops of the graph.
   static PoseGraph FromParts(const PoseGraphOptions& options,
-                             std::vector<PoseGraphNode> nodes,
-                             std::vector<PoseGraphLoop> loops);
+                             const std::vector<Part>& parts,
+                             const std::vector<PoseGraphLoop>& loops);
 
   /// Appends a node; it starts where the drift of the node before it (same sequence) puts it.
   int AddNode(int sequence, const Rigid3& T_W_B, bool is_fixed = false);
-  /// Adds a loop; both nodes must exist. The first loop between two unjoined groups of sequences
-  /// moves the group without the anchor rigidly (yaw and translation) into place.
-  void AddLoop(const PoseGraphLoop& loop);
-  /// Replaces the measurement of an existing loop; false when there is none between the two.
-  bool UpdateLoop(int from, int to, const Rigid3& T_from_to);
+  /// The node is a place: it stays for ever.
+  void Keep(int node);
+  /// Adds a loop; both nodes must have been added. The first loop between two unjoined groups of
+  /// sequences moves the group without the anchor rigidly (yaw and translation) into place. A loop
+  /// with a dropped node becomes one with the node that it hangs on. Returns the loop's id, which
+  /// counts up.
+  int AddLoop(const PoseGraphLoop& loop);
+  /// Replaces the measurement of a loop.
+  void UpdateLoop(int id, const Rigid3& T_from_to);
+  void RemoveLoop(int id);
 
-  struct Summary {
-    int nodes = 0;
-    int loops = 0;
-    int iterations = 0;
-    int rounds = 0;
-    double initial_cost = 0;
-    double final_cost = 0;
-    std::string ToString() const;
-  };
-  /// Minimises odometry and loop errors with Ceres and a graduated Geman-McClure kernel on the
-  /// loops (graduated non-convexity; Yang et al., RA-L 2020): it starts wide enough to be convex
-  /// for the largest present loop error and narrows to `kernel_scale`. One thread, deterministic.
+  using Summary = PoseGraphProblem::Summary;
+  /// Solves everything.
   Summary Solve();
 
-  /// Takes over the solution of a solved snapshot of this graph: its nodes' states and loop
-  /// weights; nodes added since keep their odometry to the snapshot's last node of their sequence.
-  void TakeSolution(const PoseGraph& snapshot);
+  /// The problem of at most `most` nodes: the newest, and those that are tied to them over the
+  /// fewest ties and loops; the nodes around them are constant.
+  PoseGraphProblem Problem(std::size_t most = std::numeric_limits<std::size_t>::max()) const;
+  /// Takes over a solution: states and loop weights; nodes added since keep their odometry to the
+  /// problem's last node of their sequence.
+  void TakeSolution(const PoseGraphProblem& solved);
 
-  int size() const { return static_cast<int>(nodes_.size()); }
-  const std::vector<PoseGraphNode>& nodes() const { return nodes_; }
-  const std::vector<PoseGraphLoop>& loops() const { return loops_; }
+  /// Loops by what became of them, by id.
+  struct Settled {
+    std::vector<int> absorbed;   ///< part of the ties now, and no loops any more
+    std::vector<int> withdrawn;  ///< contradicted, and gone
+  };
+  /// Drops nodes that are no places and older than the newest `window` of such. Their loops, and
+  /// those of places as old, are absorbed, or withdrawn when the last solution switched them off.
+  /// Call it only when the graph has been solved since their loops were added.
+  Settled Reduce();
+  /// Withdraws the loops that `after` solutions in a row have switched off.
+  std::vector<int> WithdrawContradicted(int after);
+
+  /// Nodes ever added.
+  int size() const { return static_cast<int>(keyframes_.size()); }
+  /// Those that take part in solving.
+  std::size_t live_size() const { return live_.size(); }
+  /// Those that are dropped one day.
+  std::size_t window_size() const { return window_.size(); }
+  PoseGraphNode node(int i) const;
+  const std::map<int, PoseGraphLoop>& loops() const { return loops_; }  ///< by id
+  const PoseGraphLoop& loop(int id) const { return loops_.at(id); }
+  const std::map<std::pair<int, int>, PoseGraphTie>& ties() const { return ties_; }
   const PoseGraphOptions& options() const { return options_; }
+  bool IsLive(int node) const { return Record(node).slot >= 0; }
 
   /// T_M_W of the node: takes its VIO world to the map.
   Rigid3 Correction(int node) const;
   /// True when a chain of loops ties the sequence to the anchor.
   bool IsAnchored(int sequence) const;
   /// True when a chain of loops ties the two sequences to each other.
+  bool AreJoined(int a, int b) const { return Group(a) == Group(b); }
   /// Covariance [m^2] of a loop's translation beyond its own: common errors of its points.
   Eigen::Matrix3d LoopCommonCovariance(const Eigen::Vector3d& t_from_to) const;
-  bool AreJoined(int a, int b) const { return Group(a) == Group(b); }
   /// Root-information-weighted squared error of a loop at the present state (chi-squared, 4
   /// degrees).
   double SquaredError(const PoseGraphLoop& loop) const;
   /// Path length [m] along the VIO between two nodes of one sequence.
   double PathLength(int from, int to) const;
+  /// Path length [m] along the VIO from the first node of its sequence.
+  double PathFromStart(int node) const { return Record(node).path; }
 
  private:
+  /// Where a dropped node is as seen from one that stays.
+  struct Hook {
+    int holder = -1;
+    double psi = 0;                               ///< [rad]
+    Eigen::Vector3d t = Eigen::Vector3d::Zero();  ///< [m]
+  };
+  /// Of every node ever added.
+  struct Keyframe {
+    Eigen::Vector4d q_W_B = Eigen::Vector4d::UnitW();  ///< x, y, z, w
+    Eigen::Vector3d t_W_B = Eigen::Vector3d::Zero();   ///< [m]
+    double path = 0;                                   ///< [m] travelled within its sequence
+    std::array<Hook, 2> hooks;                         ///< once dropped; the second one need not be
+    float share = 0;                                   ///< of the second one
+    int sequence = 0;
+    int slot = -1;  ///< of slots_; below 0: dropped
+    bool is_fixed = false;
+  };
+  struct Slot {
+    PoseGraphNode node;
+    bool is_kept = false;
+    std::vector<int> neighbours;  ///< nodes that it has a tie to
+    std::vector<int> loops;
+  };
+
+  const Keyframe& Record(int node) const { return keyframes_.at(static_cast<std::size_t>(node)); }
+  Slot& Live(int node) { return slots_.at(static_cast<std::size_t>(Record(node).slot)); }
+  const Slot& Live(int node) const {
+    return slots_.at(static_cast<std::size_t>(Record(node).slot));
+  }
+  int TakeSlot();
+  PoseGraphLoop WithLiveEnds(PoseGraphLoop loop) const;
+  FourDofError::Measurement Measurement(const PoseGraphTie& tie) const;
+  FourDofError::Measurement Measurement(const PoseGraphLoop& loop) const;
   Eigen::Matrix4d LoopSqrtInformation(const PoseGraphLoop& loop) const;
-  Eigen::Matrix4d OdometrySqrtInformation(double distance) const;
-  /// Parameters and residuals of one round, loops weighted by a kernel `mu` times wider than the
-  /// final one.
-  void FillProblem(double mu, ceres::Problem* problem);
+  Eigen::Matrix4d OdometryInformation(double distance) const;
+  /// Adds what a tie knows to what its nodes know of each other.
+  void AddTie(const PoseGraphTie& tie);
+  void RemoveTie(int a, int b);
+  void AddOdometry(int from, int to);
   void JoinGroups(const PoseGraphLoop& loop);
   int Group(int sequence) const;
+  bool IsConstant(int node) const;
+  std::vector<int> Scope(std::size_t most) const;
+  void AddEdges(const std::vector<int>& scope, PoseGraphProblem* problem) const;
+  /// Of the robust kernel at the present state.
+  double KernelWeight(const PoseGraphLoop& loop) const;
+  /// Turns a loop into a tie.
+  void Absorb(int id);
+  void SettleLoops(const std::vector<int>& ids, Settled* settled);
+  std::set<int> Around(int node) const;
+  void DropAll(const std::vector<int>& nodes);
+  void DropSegment(const std::vector<int>& dropped);
+  Hook MakeHook(int node, int holder) const;
+  /// Hangs a node on the nearest two of the given ones.
+  void Hang(int node, std::vector<int> holders);
 
   PoseGraphOptions options_;
-  std::vector<PoseGraphNode> nodes_;
-  std::vector<double> path_;  ///< [m] travelled up to each node within its sequence
-  std::vector<int> group_;    ///< per sequence: the lowest sequence it is joined to
-  std::vector<PoseGraphLoop> loops_;
+  std::deque<Keyframe> keyframes_;
+  std::vector<Slot> slots_;
+  std::vector<int> free_slots_;
+  std::vector<int> live_;   ///< nodes that have slots, in order
+  std::deque<int> window_;  ///< those of them that are dropped one day
+  std::vector<int> group_;  ///< per sequence: the lowest sequence it is joined to
+  std::vector<int> first_;  ///< per sequence: its first node
+  std::map<int, PoseGraphLoop> loops_;
+  int next_loop_ = 0;
+  std::map<std::pair<int, int>, PoseGraphTie> ties_;
 };
 
 }  // namespace deja_view

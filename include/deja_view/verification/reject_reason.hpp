@@ -19,9 +19,10 @@ enum class RejectReason {
   kUncertain,       ///< covariance of the pose too large
   kInconsistent,    ///< not (yet) supported by other loops, or contradicted by them
   kImplausible,     ///< would need far more drift than the VIO can have
+  kWithdrawn,       ///< was accepted, and later loops contradicted it
 };
 
-constexpr int kRejectReasonCount = static_cast<int>(RejectReason::kImplausible) + 1;
+constexpr int kRejectReasonCount = static_cast<int>(RejectReason::kWithdrawn) + 1;
 
 /// As in loops.csv and the diagnostics.
 template <>
@@ -37,7 +38,8 @@ inline constexpr auto kEnumNames<RejectReason> = EnumNames("accepted",
                                                            "gravity",
                                                            "uncertain",
                                                            "inconsistent",
-                                                           "implausible");
+                                                           "implausible",
+                                                           "withdrawn");
 static_assert(kEnumNames<RejectReason>.size() == kRejectReasonCount);
 
 }  // namespace deja_view

@@ -1,5 +1,6 @@
 #include "deja_view/ros/messages/output_messages.hpp"
 
+#include <algorithm>
 #include <array>
 
 namespace deja_view {
@@ -132,12 +133,18 @@ visualization_msgs::MarkerArray ToPoseGraphMarkers(const std::vector<KeyframeInf
   const std::int64_t stamp = NewestStamp(keyframes);
   visualization_msgs::Marker lines = MakeMarker(
       visualization_msgs::Marker::LINE_LIST, "loops", stamp, 0.02, {0.9F, 0.3F, 0.1F}, frames);
-  const auto size = static_cast<int>(keyframes.size());
+  const auto at_or_after = [&](int index) {
+    return std::lower_bound(
+        keyframes.begin(), keyframes.end(), index, [](const KeyframeInfo& keyframe, int wanted) {
+          return keyframe.index < wanted;
+        });
+  };
   for (const LoopReport& loop : loops) {
-    if (loop.old >= 0 && loop.old < size && loop.current >= 0 && loop.current < size) {
-      for (const int end : {loop.old, loop.current}) {
-        lines.points.push_back(ToPoint(keyframes[static_cast<std::size_t>(end)].T_M_B.t));
-      }
+    const auto old = at_or_after(loop.old);
+    const auto current = at_or_after(loop.current);
+    if (old != keyframes.end() && current != keyframes.end()) {
+      lines.points.push_back(ToPoint(old->T_M_B.t));
+      lines.points.push_back(ToPoint(current->T_M_B.t));
     }
   }
   visualization_msgs::MarkerArray markers;

@@ -25,15 +25,6 @@ namespace {
 constexpr std::uint32_t kImageQueue = 200;
 constexpr std::uint32_t kMessageQueue = 2000;
 
-std::vector<KeyframeInfo> AllKeyframes(const LoopCloser& closer) {
-  std::vector<KeyframeInfo> keyframes;
-  keyframes.reserve(static_cast<std::size_t>(closer.keyframe_count()));
-  for (int i = 0; i < closer.keyframe_count(); ++i) {
-    keyframes.push_back(closer.keyframe(i));
-  }
-  return keyframes;
-}
-
 /// With the velocities, where the message has them.
 nav_msgs::Odometry ToOdometry(const topic_tools::ShapeShifter& message,
                               const StampedPose& T_W_B,
@@ -76,7 +67,9 @@ std::unique_ptr<LoopFusion> LoopFusionNode::MakeLoopFusion() {
   LoopFusionCallbacks callbacks;
   callbacks.on_keyframe =
       [this](const KeyframeInput& input, const KeyframeReport& report, const LoopCloser& closer) {
-        loops_.insert(loops_.end(), report.loops.begin(), report.loops.end());
+        if (!parameters_.output_directory.empty()) {
+          AddLoopRows(report.loops, &loops_);
+        }
         for (const LoopMatches& matches : report.matches) {
           matches_.Add(matches);
         }
@@ -312,7 +305,7 @@ void LoopFusionNode::PublishPaths(const ros::WallTimerEvent& /*event*/) {
         fusion_->WithLoopCloser([&](const LoopCloser& closer) {
           loops = closer.accepted_loops();
           first_own_sequence = first_own_sequence_;
-          return AllKeyframes(closer);
+          return ListKeyframes(closer, options_.node.path_poses);
         });
     publisher_->PublishPaths(keyframes, loops, first_own_sequence);
   });
@@ -369,13 +362,14 @@ bool LoopFusionNode::Finish() {
   bool is_well = true;
   try {
     fusion_->WithLoopCloser([this](LoopCloser& closer) {
-      closer.OptimizeFully();
+      const std::vector<LoopReport> withdrawn = closer.OptimizeFully();
       if (!parameters_.save_map_at_end.empty()) {
         closer.Save(maps_.Resolve(parameters_.save_map_at_end));
       }
       if (!parameters_.output_directory.empty()) {
+        AddLoopRows(withdrawn, &loops_);
         WriteResultFiles(parameters_.output_directory,
-                         AllKeyframes(closer),
+                         ListKeyframes(closer),
                          first_own_keyframe_,
                          loops_,
                          matches_.Sorted());

@@ -57,8 +57,8 @@ void Play(const ReplayRequest& request,
     const KeyframeReport report = closer->AddKeyframe(input);
     for (const LoopReport& loop : report.loops) {
       accepted += loop.accepted() ? 1 : 0;
-      result->loops.push_back(loop);
     }
+    AddLoopRows(report.loops, &result->loops);
     for (const LoopMatches& matches : report.matches) {
       result->matches.Add(matches);
     }
@@ -129,7 +129,7 @@ ReplayResult RunReplay(const ReplayRequest& request) {
   }
   Play(request, options, &closer, &result);
   RequireKeyframes(request, closer, result);
-  closer.OptimizeFully();
+  AddLoopRows(closer.OptimizeFully(), &result.loops);
   if (!request.save_map.empty()) {
     closer.Save(request.save_map);
   }

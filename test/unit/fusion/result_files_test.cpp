@@ -75,6 +75,24 @@ TEST(ResultFilesTest, WritesTrajectoriesAndLoops) {
   fs::remove_all(directory);
 }
 
+TEST(ResultFilesTest, AWithdrawnLoopIsNoAcceptedRow) {
+  const auto loop = [](int old, int current, RejectReason reason) {
+    LoopReport report;
+    report.old = old;
+    report.current = current;
+    report.reason = reason;
+    return report;
+  };
+  std::vector<LoopReport> rows;
+  AddLoopRows({loop(1, 9, RejectReason::kInconsistent), loop(2, 9, RejectReason::kNone)}, &rows);
+  AddLoopRows({loop(1, 9, RejectReason::kNone), loop(2, 9, RejectReason::kWithdrawn)}, &rows);
+  ASSERT_EQ(rows.size(), 3U);
+  EXPECT_EQ(rows[0].reason, RejectReason::kInconsistent);
+  EXPECT_EQ(rows[1].reason, RejectReason::kWithdrawn);
+  EXPECT_TRUE(rows[2].accepted());
+  EXPECT_THROW(AddLoopRows({loop(3, 9, RejectReason::kWithdrawn)}, &rows), CheckError);
+}
+
 class CheckWritableTest : public TemporaryDirectoryTest {};
 
 TEST_F(CheckWritableTest, MakesTheDirectoryAndLeavesNothingInIt) {

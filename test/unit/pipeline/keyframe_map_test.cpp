@@ -46,7 +46,7 @@ TEST(KeyframeMap, OnlyPlacesKeepFeatures) {
   EXPECT_THAT(map.places(), testing::ElementsAre(1));
   EXPECT_FALSE(map[0].is_place);
   EXPECT_TRUE(map[1].is_place);
-  EXPECT_EQ(map[1].features.keypoints.size(), 1U);
+  EXPECT_EQ(map.features(1).keypoints.size(), 1U);
   EXPECT_THROW(map.MakePlace(features), CheckError) << "it is one already";
 }
 

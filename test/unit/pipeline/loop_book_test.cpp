@@ -73,7 +73,7 @@ TEST(LoopBook, LoopsWaitUntilOthersAgree) {
     EXPECT_EQ(book[i].edge, i);
     EXPECT_EQ(book[i].state, LoopConsistency::State::kAccepted);
     EXPECT_TRUE(book[i].report.accepted());
-    EXPECT_EQ(graph.loops()[static_cast<std::size_t>(i)].from, book[i].report.old);
+    EXPECT_EQ(graph.loop(i).from, book[i].report.old);
   }
 }
 
@@ -122,12 +122,48 @@ TEST(LoopBook, GoesOnWhereALoadedMapEnds) {
   }
   LoopBook book({}, first.Accepted());
   EXPECT_EQ(book.size(), 3);
-  EXPECT_EQ(book[2].edge, 2);
+  EXPECT_TRUE(book[2].is_of_map);
   for (const int i : {9, 11, 13}) {
     book.Enter(Loop(i), &graph);
   }
   EXPECT_THAT(OldOf(book.Accepted()), ElementsAre(3, 5, 7, 9, 11, 13));
-  EXPECT_EQ(book[5].edge, 5);
+  EXPECT_EQ(book.NewestLocalised(), 13 + kPerRound);
+}
+
+TEST(LoopBook, AWithdrawnLoopIsGone) {
+  PoseGraph graph = MakeGraph();
+  LoopBook book({});
+  for (const int i : {3, 5, 7, 9}) {
+    book.Enter(Loop(i), &graph);
+  }
+  graph.RemoveLoop(book[1].edge);
+  const std::vector<LoopReport> withdrawn = book.Withdraw({book[1].edge});
+  ASSERT_EQ(withdrawn.size(), 1U);
+  EXPECT_EQ(withdrawn[0].old, 5);
+  EXPECT_EQ(withdrawn[0].reason, RejectReason::kWithdrawn);
+  EXPECT_FALSE(withdrawn[0].accepted());
+  EXPECT_THAT(OldOf(book.Accepted()), ElementsAre(3, 7, 9));
+  EXPECT_FALSE(book.Refine(5, 5 + kPerRound, Loop(5).T_Bold_Bcurrent, &graph));
+}
+
+TEST(LoopBook, KeepsWhatIsOfUse) {
+  PoseGraph graph = MakeGraph();
+  LoopConsistencyOptions options;
+  options.window = options.span_window = 8;
+  LoopBook book(options);
+  const Rigid3 error{Eigen::Quaterniond::Identity(), {0, 0.4, 0}};
+  for (int i = 0; i < 30; ++i) {
+    book.Enter(Loop(i, i % 10 == 0 ? error : Rigid3()), &graph);
+  }
+  EXPECT_THAT(OldOf(book.Accepted()), testing::SizeIs(27));
+  EXPECT_EQ(book.kept(), 27U) << "those that nothing will become of are forgotten";
+  std::vector<int> edges;
+  for (const auto& [id, loop] : graph.loops()) {
+    edges.push_back(id);
+  }
+  book.Settle(edges);
+  EXPECT_THAT(book.Accepted(), IsEmpty());
+  EXPECT_LE(book.kept(), 8U);
 }
 
 TEST(LoopBook, RefinesAnAcceptedLoopByANearbyMeasurement) {
@@ -148,9 +184,9 @@ TEST(LoopBook, RefinesAnAcceptedLoopByANearbyMeasurement) {
   EXPECT_FALSE(book.Refine(5, 6 + kPerRound, moved(5, 0), &graph)) << "no such loop";
   EXPECT_FALSE(book.Refine(9, 9 + kPerRound, moved(9, 0), &graph)) << "not in the graph";
   EXPECT_TRUE(book.Refine(5, 5 + kPerRound, moved(5, 0.1), &graph));
-  EXPECT_EQ(graph.loops()[1].T_from_to.t, moved(5, 0.1).t);
+  EXPECT_EQ(graph.loop(1).T_from_to.t, moved(5, 0.1).t);
   EXPECT_EQ(book.Accepted()[1].T_Bold_Bcurrent.t, moved(5, 0.1).t);
-  EXPECT_EQ(graph.loops()[0].T_from_to.t, moved(3, 0).t);
+  EXPECT_EQ(graph.loop(0).T_from_to.t, moved(3, 0).t);
 }
 
 }  // namespace

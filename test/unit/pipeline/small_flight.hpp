@@ -59,6 +59,7 @@ struct Outcome {
   std::vector<KeyframeReport> reports;
   std::vector<KeyframeInfo> keyframes;
   std::vector<LoopReport> loops;
+  std::vector<LoopReport> withdrawn;  ///< at the end
   int places = 0;
 };
 
@@ -70,7 +71,7 @@ inline Outcome Fly(const LoopCloserOptions& options, SolveExecutor executor = {}
   for (const KeyframeInput& keyframe : flight.keyframes) {
     outcome.reports.push_back(closer.AddKeyframe(keyframe));
   }
-  closer.OptimizeFully();
+  outcome.withdrawn = closer.OptimizeFully();
   for (int i = 0; i < closer.keyframe_count(); ++i) {
     outcome.keyframes.push_back(closer.keyframe(i));
   }

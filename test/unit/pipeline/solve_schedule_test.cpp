@@ -21,7 +21,7 @@ PoseGraphLoop LoopOver(const PoseGraph& graph, double error_m) {
   PoseGraphLoop loop;
   loop.from = 0;
   loop.to = graph.size() - 1;
-  loop.T_from_to.t = graph.nodes().back().T_W_B.t + Eigen::Vector3d(error_m, 0, 0);
+  loop.T_from_to.t = graph.node(graph.size() - 1).T_W_B.t + Eigen::Vector3d(error_m, 0, 0);
   loop.covariance = 1e-6 * Eigen::Matrix<double, 6, 6>::Identity();
   return loop;
 }
@@ -72,8 +72,8 @@ TEST(SolveSchedule, TakesTheSolutionOver) {
   PoseGraph graph = Line(6);
   Note(-0.3, true, &graph, &schedule);
   ASSERT_TRUE(IsSolved(&schedule, &graph));
-  EXPECT_LT(graph.nodes()[5].t_M_B.x(), 5 * 0.55 - 0.005);
-  EXPECT_NEAR(graph.nodes()[7].t_M_B.x() - graph.nodes()[5].t_M_B.x(), 2 * 0.55, 1e-9)
+  EXPECT_LT(graph.node(5).t_M_B.x(), 5 * 0.55 - 0.005);
+  EXPECT_NEAR(graph.node(7).t_M_B.x() - graph.node(5).t_M_B.x(), 2 * 0.55, 1e-9)
       << "newer nodes follow by odometry";
 }
 
@@ -108,9 +108,9 @@ TEST(SolveSchedule, HandsTheWorkToTheExecutorAndWaitsForIt) {
   ASSERT_EQ(jobs.size(), 1U) << "one at a time";
   jobs[0]();
   done.set_value();
-  EXPECT_EQ(graph.nodes()[5].t_M_B.x(), 5 * 0.55) << "not taken over yet";
+  EXPECT_EQ(graph.node(5).t_M_B.x(), 5 * 0.55) << "not taken over yet";
   schedule.Finish(&graph);
-  EXPECT_LT(graph.nodes()[5].t_M_B.x(), 5 * 0.55 - 0.005);
+  EXPECT_LT(graph.node(5).t_M_B.x(), 5 * 0.55 - 0.005);
 }
 
 TEST(SolveSchedule, ForgetsOnReset) {

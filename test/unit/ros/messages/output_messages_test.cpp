@@ -116,6 +116,10 @@ TEST(OutputMessagesTest, PoseGraphMarkersJoinTheEndsOfLoops) {
   EXPECT_EQ(markers.markers[0].points[0].y, 10);
   EXPECT_EQ(markers.markers[0].points[1].y, 12);
   EXPECT_EQ(ToKeyframeMarker(MakeKeyframes(3), {}).points.size(), 3U);
+  // Of a thinned list the next keyframe that is in it.
+  std::vector<KeyframeInfo> thinned = MakeKeyframes(5);
+  thinned.erase(thinned.begin() + 2);
+  EXPECT_EQ(ToPoseGraphMarkers(thinned, {loop}, {}).markers[0].points[1].y, 13);
 }
 
 TEST(OutputMessagesTest, CameraIsAPyramidInFrontOfItsCentre) {
