@@ -21,8 +21,8 @@ DEJA_VIEW_HOST_DEVICE inline Corners FindCorners(const GridLevel& level,
                                                  float y,
                                                  float z) {
   const std::array<float, 3> p = {x * level.scale, y * level.scale, z * level.scale};
-  std::array<std::uint32_t, 3> cell;
-  Corners corners;
+  std::array<std::uint32_t, 3> cell{};
+  Corners corners{};
   std::array<float, 3>& fraction = corners.fraction;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     cell[axis] = static_cast<std::uint32_t>(p[axis]);

@@ -18,9 +18,9 @@ struct OccupancyView {
 
   /// Index of a cell: 64 block + place in the block.
   DEJA_VIEW_HOST_DEVICE std::size_t Index(int x, int y, int z) const {
-    const auto block = static_cast<std::size_t>((z >> 2) * blocks[1] * blocks[0] +
-                                                (y >> 2) * blocks[0] + (x >> 2));
-    return block * 64 + static_cast<std::size_t>((z & 3) * 16 + (y & 3) * 4 + (x & 3));
+    const int block = (z >> 2) * blocks[1] * blocks[0] + (y >> 2) * blocks[0] + (x >> 2);
+    const int place = (z & 3) * 16 + (y & 3) * 4 + (x & 3);
+    return static_cast<std::size_t>(block) * 64 + static_cast<std::size_t>(place);
   }
   /// Coordinates of a cell's lowest corner, in cells.
   DEJA_VIEW_HOST_DEVICE std::array<int, 3> Cell(std::size_t index) const {
