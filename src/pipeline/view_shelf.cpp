@@ -132,8 +132,7 @@ ViewOutcome ViewShelf::Attach(int keyframe, const VirtualView& sent, const Keyfr
   if (std::any_of(views.begin(), views.end(), has_index)) {
     return ViewOutcome::kDuplicate;
   }
-  StoredView view =
-      Describe(sent, keyframes.node(keyframe).T_W_B * keyframes[keyframe].features.T_B_C);
+  StoredView view = Describe(sent, keyframes.node(keyframe).T_W_B * keyframes.T_B_C(keyframe));
   view.camera = cameras_.Share(view.camera);
   if (static_cast<int>(view.keypoints.size()) < options_.min_features) {
     return ViewOutcome::kUncertain;

@@ -83,7 +83,8 @@ cv::Mat Simulator::RenderFrame(double t) const {
   std::vector<Rigid3> T_W_C;
   for (int i = 0; i < samples; ++i) {
     const double within = (i + 0.5) / samples - 0.5;
-    T_W_C.push_back(path_->Pose(t + within * 1e-3 * options_.sensor.exposure_ms) * SimulatedExtrinsic());
+    T_W_C.push_back(path_->Pose(t + within * 1e-3 * options_.sensor.exposure_ms) *
+                    SimulatedExtrinsic());
   }
   return renderer_->RenderRadiance(T_W_C);
 }

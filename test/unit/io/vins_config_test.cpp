@@ -127,7 +127,7 @@ TEST_F(VinsConfigTest, NamesWhatIsWrong) {
 }
 
 TEST_F(VinsConfigTest, BoundsAndEscapesWhatItEchoes) {
-  const std::string error = ErrorOf("model_type: \"PIN\\nHOLE" + std::string(3000, 'x') + "\"\n");
+  const std::string error = Error("model_type: \"PIN\\nHOLE" + std::string(3000, 'x') + "\"\n");
   EXPECT_THAT(error, HasSubstr("found 'PIN\\nHOLExxx"));
   EXPECT_LT(error.size(), 300U);
 }
