@@ -9,7 +9,7 @@
 namespace deja_view::nerf {
 namespace {
 
-using Positions = std::vector<Eigen::Vector3d>;
+using PositionList = std::vector<Eigen::Vector3d>;
 
 struct Cut {
   Eigen::Index axis = 0;
@@ -18,7 +18,7 @@ struct Cut {
 
 // The place between two cameras that leaves as near to `share` of them as can be below it; they are
 // not all at one place of this axis.
-double CutAlong(const Positions& positions, Eigen::Index axis, double share) {
+double CutAlong(const PositionList& positions, Eigen::Index axis, double share) {
   std::vector<double> x;
   for (const Eigen::Vector3d& p : positions) {
     x.push_back(p[axis]);
@@ -37,7 +37,7 @@ double CutAlong(const Positions& positions, Eigen::Index axis, double share) {
 }
 
 // Across the widest axis; the positions are not all the same.
-Cut FindCut(const Positions& positions, double share) {
+Cut FindCut(const PositionList& positions, double share) {
   Eigen::Vector3d low = positions.front();
   Eigen::Vector3d high = positions.front();
   for (const Eigen::Vector3d& p : positions) {
@@ -50,7 +50,7 @@ Cut FindCut(const Positions& positions, double share) {
   return cut;
 }
 
-int CountPlaces(Positions positions) {
+int CountPlaces(PositionList positions) {
   const auto is_before = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
     return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
   };
@@ -59,7 +59,7 @@ int CountPlaces(Positions positions) {
 }
 
 // Needs as many places as cells.
-void CutCell(const Positions& positions,
+void CutCell(const PositionList& positions,
              const SceneCell& cell,
              int count,
              std::vector<SceneCell>* cells) {
@@ -68,8 +68,8 @@ void CutCell(const Positions& positions,
     return;
   }
   const Cut cut = FindCut(positions, static_cast<double>(count / 2) / count);
-  Positions below;
-  Positions above;
+  PositionList below;
+  PositionList above;
   for (const Eigen::Vector3d& p : positions) {
     (p[cut.axis] < cut.at ? below : above).push_back(p);
   }

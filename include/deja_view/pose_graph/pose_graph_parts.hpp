@@ -26,10 +26,11 @@ struct PoseGraphOptions {
   /// Newest keyframes that are nodes whatever they see; older ones that are no places are dropped.
   /// 0: none is.
   int window = 300;
-  // A loop that the graph contradicts is withdrawn. 0.05 is the kernel's weight of a loop that is
-  // off by 5.6 sigma: of right ones three in a million are.
-  double withdraw_weight = 0.05;  ///< with a smaller weight
-  int withdraw_after = 2;         ///< in so many solutions one after the other
+  // A loop that the graph contradicts is withdrawn. 0.005 is the kernel's weight of a loop that is
+  // off by 11 sigma. Of right ones three in a million are off by 5.6 if all errors were noise; in a
+  // room one in ten is, as lens and depths are a little off together.
+  double withdraw_weight = 0.005;  ///< with a smaller weight
+  int withdraw_after = 2;          ///< in so many solutions one after the other
 
   template <typename Visitor>
   void Visit(Visitor& v) {
