@@ -16,7 +16,7 @@ namespace {
 using testing::FloatNear;
 using testing::Pointwise;
 
-constexpr float kRounding = 1e-5F;
+constexpr float kLayerRounding = 1e-5F;
 
 std::vector<float> RandomFloats(std::size_t count, float low, float high, unsigned seed) {
   std::mt19937 rng(seed);
@@ -51,13 +51,13 @@ void ExpectSameNetwork(std::size_t samples) {
   device.Load(network.layers(), network.parameters().data());
   const float* device_y = device.Forward(x.data(), samples);
   EXPECT_THAT(std::vector<float>(device_y, device_y + d_out.size()),
-              Pointwise(FloatNear(kRounding), out));
+              Pointwise(FloatNear(kLayerRounding), out));
   BackwardRows<HostSystem> scratch;
   std::vector<float> device_gradient(gradient.size(), 0.5F);
   std::vector<float> device_d_x(x.size());
   device.Backward(
       x.data(), d_out.data(), samples, &scratch, device_gradient.data(), device_d_x.data());
-  EXPECT_THAT(device_d_x, Pointwise(FloatNear(kRounding), d_x));
+  EXPECT_THAT(device_d_x, Pointwise(FloatNear(kLayerRounding), d_x));
   EXPECT_THAT(device_gradient, Pointwise(FloatNear(1e-3F), gradient));
 }
 
@@ -143,7 +143,7 @@ TEST_F(DeviceGridTest, ScattersWhatTheCpuScatters) {
   const ScatterArrays arrays{
       device_.view(), places(), d_rows.data(), kStride, gradient.data(), touched.data()};
   ForEach<HostSystem>(kSamples * 4, ScatterLevel{arrays});
-  EXPECT_THAT(gradient, Pointwise(FloatNear(kRounding), expected));
+  EXPECT_THAT(gradient, Pointwise(FloatNear(kLayerRounding), expected));
   for (std::size_t i = 0; i < gradient.size(); ++i) {
     EXPECT_TRUE(gradient[i] == 0 || touched[i / 32] == 1);
   }
