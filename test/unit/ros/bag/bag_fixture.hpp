@@ -59,7 +59,7 @@ class BagTest : public TemporaryDirectoryTest {
       const std::int64_t later = stamp + 200 * kMillisecond;
       bag.Write(topics.extrinsic,
                 later - 100 * kMillisecond,
-                MakeOdometry(stamp, i < keyframes / 2 ? 0.25 : 0.5));
+                MakeOdometry(stamp, i < keyframes / 2 ? 0.25 : 0.28));
       bag.Write(topics.odometry, later, MakeOdometry(stamp, i));
       bag.Write(topics.keyframe_pose, later, MakeOdometry(stamp, i));
       bag.Write(topics.keyframe_point, later, MakePoints(stamp, i));

@@ -65,7 +65,7 @@ TEST_F(BagReplayTest, HandsOverKeyframesInOrder) {
     EXPECT_EQ(keyframes_[i].image.at<std::uint8_t>(47, 63), i);
     EXPECT_EQ(keyframes_[i].points.size(), i);
   }
-  EXPECT_THAT(calibrations_, ElementsAre(::testing::Pair(0U, 0.25), ::testing::Pair(10U, 0.5)));
+  EXPECT_THAT(calibrations_, ElementsAre(::testing::Pair(0U, 0.25), ::testing::Pair(10U, 0.28)));
 }
 
 TEST_F(BagReplayTest, ReadsAnotherBagsViewsOnlyWhereTheyAreWanted) {
