@@ -24,8 +24,10 @@ class SlotSet {
 
   /// The start of the list or bitmap will be read soon.
   void Prefetch() const {
-    for (std::uint32_t i = 0; i < 128; i += 16) {
-      __builtin_prefetch(data_.get() + i);
+    // An address, not a pointer: it may lie beyond the end, or start from none.
+    const auto start = reinterpret_cast<std::uintptr_t>(data_.get());
+    for (std::uintptr_t offset = 0; offset < 512; offset += 64) {
+      __builtin_prefetch(reinterpret_cast<const void*>(start + offset));
     }
   }
 

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""resume_test.py TOOL FLIGHT PRESET: what is killed leaves nothing that the next run does not take away, and gives the
-same in the end. FLIGHT is the directory of a simulated flight with images and models/room.dvn."""
+"""resume_test.py TOOL FLIGHT PRESET: what is killed goes on where it was, leaves nothing behind, and gives the same;
+two processes don't write one output. FLIGHT is the directory of a simulated flight with images and models/room.dvn."""
 
 import json
 import os
@@ -62,6 +62,28 @@ class ResumeTest(unittest.TestCase):
         run.send_signal(signal.SIGKILL)
         self.assertEqual(run.wait(), -signal.SIGKILL)
 
+    def finished(self, out):
+        """Images whose views are done."""
+        work = out + ".work"
+        return [n for n in os.listdir(work) if n.endswith(".views")] if os.path.isdir(work) else []
+
+    def test_render(self):
+        whole, out = self.path("whole.bag"), self.path("out.bag")
+        self.run_tool(*RENDER, "--out", whole)
+        command = [*RENDER, "--out", out, "--json", self.path("out.json")]
+        for count in (2, 4):
+            run = self.start(*command)
+            wait_for(lambda: len(self.finished(out)) >= count)
+            self.kill(run)
+        done = len(self.finished(out))
+        self.run_tool(*command)
+        self.assertEqual(read(out), read(whole))
+        with open(self.path("out.json"), encoding="utf-8") as file:
+            report = json.load(file)
+        self.assertEqual(report["resumed"], done)
+        self.assertGreater(report["sources"], done)
+        self.assertEqual(sorted(os.listdir(self.folder)), ["out.bag", "out.json", "whole.bag"])
+
     def test_merge(self):
         parts = [self.path(f"part{i}.bag") for i in range(2)]
         for i, part in enumerate(parts):
@@ -80,6 +102,18 @@ class ResumeTest(unittest.TestCase):
         self.run_tool("views", "merge", "--bag", BAG, *parts, "--out", out)
         self.assertEqual(read(out), read(whole))
         self.assertEqual(sorted(os.listdir(self.folder)), sorted(before + ["out.bag"]))
+
+    def test_two_processes_on_one_output(self):
+        out = self.path("out.bag")
+        first = self.start(*RENDER, "--out", out)
+        wait_for(lambda: self.finished(out))
+        error = self.run_tool(*RENDER, "--out", out, code=1)
+        self.assertIn(out + ": another process writes here", error)
+        self.assertIn(str(first.pid), error)
+        self.assertIsNone(first.poll())
+        self.assertEqual(first.wait(), 0)
+        self.run_tool(*RENDER, "--out", self.path("alone.bag"))
+        self.assertEqual(read(out), read(self.path("alone.bag")))
 
     def test_train(self):
         model = self.path("room.dvn")
