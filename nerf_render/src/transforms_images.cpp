@@ -103,7 +103,8 @@ double FocalLength(const Keys& keys, const char* key, const char* angle_key, int
   const auto angle = keys.Number(angle_key);
   const double value =
       focal_length ? *focal_length : (angle ? 0.5 * side / std::tan(0.5 * *angle) : 0);
-  if ((focal_length || angle) && !(value > 0)) {
+  // An angle of next to nothing has a focal length that is no number.
+  if ((focal_length || angle) && !(value > 0 && std::isfinite(value))) {
     keys.Fail(fmt::format("key '{}': expected a number above 0", focal_length ? key : angle_key));
   }
   return value;

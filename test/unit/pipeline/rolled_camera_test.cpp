@@ -22,6 +22,7 @@ KeyframeInput Rolled(const KeyframeInput& level, double angle) {
   rolled.T_W_B = level.T_W_B * flight.T_B_C * roll * flight.T_B_C.Inverse();
   const cv::Mat to_rolled =
       cv::getRotationMatrix2D(cv::Point2d(lens.cx, lens.cy), angle / kDegree, 1.0);
+  rolled.image = cv::Mat();  // not into the flight's own
   cv::warpAffine(level.image, rolled.image, to_rolled, level.image.size());
   rolled.points.clear();
   for (TrackedPoint point : level.points) {
