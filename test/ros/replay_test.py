@@ -96,7 +96,7 @@ class ReplayTest(unittest.TestCase):
             self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
             self.assertIn("flight.bag: no keyframe could be used", result.stderr)
             self.assertIn("expected", result.stderr)
-            self.assertFalse(os.path.exists(os.path.join(self.folder, "out")))
+        self.assertFalse(os.path.exists(os.path.join(self.folder, "out", "loops.csv")))
 
 
 if __name__ == "__main__":
