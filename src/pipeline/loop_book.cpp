@@ -1,5 +1,7 @@
 #include "loop_book.hpp"
 
+#include "deja_view/base/check.hpp"
+
 #include <algorithm>
 #include <utility>
 
@@ -98,6 +100,7 @@ std::vector<LoopReport> LoopBook::Withdraw(const std::vector<int>& edges) {
   std::vector<LoopReport> reports;
   for (const int edge : edges) {
     const auto it = Find(edge);
+    DEJA_VIEW_CHECK(it != records_.end());
     reports.push_back(it->second.report);
     reports.back().reason = RejectReason::kWithdrawn;
     consistency_.Withdraw(it->first);
@@ -109,6 +112,7 @@ std::vector<LoopReport> LoopBook::Withdraw(const std::vector<int>& edges) {
 void LoopBook::Settle(const std::vector<int>& edges) {
   for (const int edge : edges) {
     const auto it = Find(edge);
+    DEJA_VIEW_CHECK(it != records_.end());
     it->second.edge = -1;
     if (!IsRemembered(it->first)) {
       records_.erase(it);

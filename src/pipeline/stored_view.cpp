@@ -52,6 +52,21 @@ std::vector<ViewFeature> TurnedAs(const VerticalField& vertical,
   return features;
 }
 
+/// A message's own, unless most were turned otherwise and there is an image to extract from.
+std::vector<ViewFeature> FeaturesOf(const VirtualView& view,
+                                    const FeatureExtractor& extractor,
+                                    const VerticalField& vertical,
+                                    const VirtualViewOptions& options) {
+  if (view.features.descriptor == extractor.DescriptorName() &&
+      (options.use_offline || view.image.empty())) {
+    std::vector<ViewFeature> own = TurnedAs(vertical, FromMessage(view.features));
+    if (view.image.empty() || 2 * own.size() >= view.features.features.keypoints.size()) {
+      return own;
+    }
+  }
+  return FromMessage(ExtractVirtualFeatures(view, extractor, vertical, options.min_certainty));
+}
+
 bool IsSound(const ViewFeature& f, const Camera& camera) {
   return std::isfinite(f.keypoint.x) && std::isfinite(f.keypoint.y) &&
          camera.IsInImage({f.keypoint.x, f.keypoint.y}) && std::isfinite(f.keypoint.response) &&
@@ -106,11 +121,7 @@ StoredView MakeStoredView(const VirtualView& view,
                           const FeatureExtractor& extractor,
                           const VerticalField& vertical,
                           const VirtualViewOptions& options) {
-  const bool has_features = view.features.descriptor == extractor.DescriptorName();
-  std::vector<ViewFeature> features =
-      has_features && (options.use_offline || view.image.empty())
-          ? TurnedAs(vertical, FromMessage(view.features))
-          : FromMessage(ExtractVirtualFeatures(view, extractor, vertical, options.min_certainty));
+  std::vector<ViewFeature> features = FeaturesOf(view, extractor, vertical, options);
   features.erase(std::remove_if(features.begin(),
                                 features.end(),
                                 [&](const ViewFeature& f) { return !IsSound(f, *view.camera); }),

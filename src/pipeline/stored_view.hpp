@@ -45,7 +45,8 @@ void CheckView(const VirtualView& view, const std::string& descriptor_name);
 
 /// Features of a view that passed CheckView, from its message or its image: the strongest
 /// `options.max_features` of those that are certain. Of a message's own, only those whose patch was
-/// turned as `vertical`, the view's, says, or by ORB's own measure where it is empty.
+/// turned as `vertical`, the view's, says, or by ORB's own measure where it is empty; its image
+/// serves where most of them were turned otherwise.
 StoredView MakeStoredView(const VirtualView& view,
                           const FeatureExtractor& extractor,
                           const VerticalField& vertical,

@@ -8,6 +8,7 @@
 
 #include "keyframe_pair.hpp"
 #include "random_vocabulary.hpp"
+#include "synthetic_image.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -154,6 +155,9 @@ TEST_F(ViewShelfTest, TakesOnlyFeaturesThatAreTurnedAsTheWorldStands) {
   VirtualView view = View(0, 0);
   view.T_C_V.q = Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ());
   EXPECT_EQ(shelf.Add(view, keyframes_), ViewOutcome::kUncertain) << "upright in the image";
+  view.image = test::SyntheticImage(view.camera->width(), view.camera->height(), 3);
+  EXPECT_EQ(shelf.Add(view, keyframes_), ViewOutcome::kDisagrees) << "extracted from the image";
+  view.image = cv::Mat();
   for (Keypoint& keypoint : view.features.features.keypoints) {
     keypoint.angle = -0.5F;
   }
