@@ -1,14 +1,34 @@
 #include "common/problem_lines.hpp"
 
+#include <algorithm>
+#include <cstddef>
 #include <map>
-#include <regex>
 
 #include <fmt/format.h>
 
 namespace deja_view {
+namespace {
+
+/// `text` with a # for each stamp: nine digits or more in a row.
+std::string WithoutStamps(const std::string& text) {
+  constexpr std::ptrdiff_t kLeastDigits = 9;
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  std::string result;
+  for (auto it = text.begin(); it != text.end();) {
+    const auto end = is_digit(*it) ? std::find_if_not(it, text.end(), is_digit) : it + 1;
+    if (end - it >= kLeastDigits) {
+      result += '#';
+    } else {
+      result.append(it, end);
+    }
+    it = end;
+  }
+  return result;
+}
+
+}  // namespace
 
 std::vector<std::string> ProblemLines(const std::vector<std::string>& problems) {
-  static const std::regex kStamp("[0-9]{9,}");
   struct Kind {
     const std::string* first = nullptr;
     int count = 0;
@@ -16,8 +36,7 @@ std::vector<std::string> ProblemLines(const std::vector<std::string>& problems) 
   std::map<std::string, std::size_t> index;
   std::vector<Kind> kinds;
   for (const std::string& problem : problems) {
-    const auto [entry, is_new] =
-        index.try_emplace(std::regex_replace(problem, kStamp, "#"), kinds.size());
+    const auto [entry, is_new] = index.try_emplace(WithoutStamps(problem), kinds.size());
     if (is_new) {
       kinds.push_back({&problem, 0});
     }
