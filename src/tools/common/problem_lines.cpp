@@ -43,6 +43,7 @@ std::vector<std::string> ProblemLines(const std::vector<std::string>& problems) 
     ++kinds[entry->second].count;
   }
   std::vector<std::string> lines;
+  lines.reserve(kinds.size());
   for (const Kind& kind : kinds) {
     lines.push_back(kind.count > 1
                         ? fmt::format("{} (and {} more like it)", *kind.first, kind.count - 1)

@@ -146,8 +146,12 @@ TEST_F(ViewShelfTest, ViewsWaitWithinTheirMemory) {
   AddKeyframe(3, true);
   shelf.AttachWaiting(3, keyframes_);
   EXPECT_THAT(Indices(shelf, 3), ElementsAre(3, 4));
-  EXPECT_EQ(shelf.Add(View(4, 5), keyframes_), ViewOutcome::kWaiting);
-  EXPECT_EQ(shelf.counts().waiting, 1) << "the others' memory is free again";
+  for (const int index : {5, 6}) {
+    view.stamp_ns = 4 * kSecond;
+    view.index = index;
+    EXPECT_EQ(shelf.Add(view, keyframes_), ViewOutcome::kWaiting);
+  }
+  EXPECT_EQ(shelf.counts().waiting, 2) << "the others' memory is free again";
 }
 
 TEST_F(ViewShelfTest, TakesOnlyFeaturesThatAreTurnedAsTheWorldStands) {

@@ -78,6 +78,15 @@ TEST(LoopConsistency, AgreeingLoopsAreAcceptedWithThoseThatWaited) {
   EXPECT_EQ(AddTrueLoops({9}, &consistency, &graph), std::vector<int>({9}));
 }
 
+TEST(LoopConsistency, AWithdrawnLoopVotesNoMore) {
+  PoseGraph graph = MakeGraph();
+  LoopConsistency consistency({});
+  EXPECT_TRUE(AddTrueLoops({3, 5}, &consistency, &graph).empty());
+  consistency.Withdraw(5);
+  EXPECT_TRUE(AddTrueLoops({7}, &consistency, &graph).empty());
+  EXPECT_EQ(AddTrueLoops({9}, &consistency, &graph), std::vector<int>({3, 7, 9}));
+}
+
 TEST(LoopConsistency, WithoutMinSupportEveryPlausibleLoopIsBelieved) {
   PoseGraph graph = MakeGraph();
   LoopConsistencyOptions options;

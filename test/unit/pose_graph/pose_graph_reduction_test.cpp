@@ -178,6 +178,21 @@ TEST(PoseGraphReduction, WithdrawsWhatTwoSolutionsInARowContradict) {
   rounds.graph_.Solve();
 }
 
+TEST(PoseGraphReduction, ASolutionThatAgreesForgivesTheOneBefore) {
+  Rounds rounds(0);
+  rounds.Fly(200);
+  const PoseGraphLoop right = rounds.Loop(0, 199);
+  Rigid3 wrong = right.T_from_to;
+  wrong.t.x() += 1.0;
+  const int id = rounds.graph_.AddLoop(right);
+  for (const Rigid3& T_from_to : {wrong, right.T_from_to, wrong}) {
+    rounds.graph_.UpdateLoop(id, T_from_to);
+    rounds.graph_.Solve();
+    EXPECT_THAT(rounds.graph_.WithdrawContradicted(2), testing::IsEmpty());
+  }
+  EXPECT_THAT(rounds.graph_.WithdrawContradicted(1), testing::ElementsAre(id));
+}
+
 TEST(PoseGraphReduction, AbsorbsNoLoopThatIsSwitchedOff) {
   Rounds rounds(60);
   rounds.Fly(199);
