@@ -129,6 +129,7 @@ struct DrawRay {
     target.range = pixel.range;
     target.off_axis = 1 - static_cast<float>(d_C[2]);
     target.vignetting = VignettingAt(vignetting_k, target.off_axis);
+    target.backdrop = BackdropOf(pixel.jitter);
     const std::size_t at =
         (static_cast<std::size_t>(pixel.y) * static_cast<std::size_t>(image.width) +
          static_cast<std::size_t>(pixel.x)) *

@@ -74,7 +74,7 @@ StepSums CpuWorker::RunChunk(const StepPlan& plan,
       field_, image_parameters_, plan.step, c, plan.depth_share, &tools->rays, &images->targets);
   tools->tracer.Run(tools->rays, plan.trace, &tools->trace);
   const LossOptions loss_options{
-      options_.huber_delta, options_.depth_weight, options_.distortion_weight};
+      options_.huber_delta, options_.depth_weight, options_.distortion_weight, options_.opaque};
   ComputeLoss(field_,
               tools->trace,
               images->targets,

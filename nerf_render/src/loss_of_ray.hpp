@@ -17,13 +17,21 @@ struct RayTarget {
   float range = 0;                  ///< of a depth point, in unit lengths; 0: unknown
   float off_axis = 0;               ///< 1 - z of the camera's unit ray
   float vignetting = 1;             ///< there
+  float backdrop = 0;               ///< radiance that a ray ends on if LossOptions::opaque
 };
+
+/// A ray's own number in [0, 1): the digits of its jitter that move its samples by next to nothing.
+DEJA_VIEW_HOST_DEVICE inline float BackdropOf(float jitter) {
+  const float digits = 1024 * jitter;
+  return digits - std::floor(digits);
+}
 
 /// Weights of the losses, from TrainOptions.
 struct LossOptions {
   float huber_delta = 0.1F;
   float depth_weight = 0;
   float distortion_weight = 0;
+  bool opaque = false;  ///< without a far background, what light passes shows RayTarget::backdrop
 };
 
 /// Gain and bias of a view as they are used: observed = gain * radiance + bias.
@@ -70,7 +78,9 @@ struct RayLossSum {
 ///   distortion_weight (Sum_ij w_i w_j |t_i - t_j| + 1/3 Sum w_i^2 dt_i)   (Mip-NeRF 360, eq. 15).
 /// With w_i = T_i (1 - exp(-sigma_i dt_i)):
 ///   d loss / d sigma_i = dt_i (T_{i+1} d loss / d w_i - Sum_{j > i} w_j d loss / d w_j),
-/// where the far background counts as a last sample that all the remaining light reaches.
+/// where the far background counts as a last sample that all the remaining light reaches. So does
+/// the backdrop: as it differs from ray to ray, only a field that lets no light pass explains an
+/// image, and dark surfaces are not mistaken for nothing.
 struct RayLoss {
   TraceView trace;
   const RayTarget* targets = nullptr;
@@ -83,6 +93,13 @@ struct RayLoss {
  private:
   static constexpr float kDepthTolerance = 0.03F;  ///< share of the range
 
+  /// What the light shows that passes all samples.
+  DEJA_VIEW_HOST_DEVICE float Background(std::size_t ray, std::size_t channel) const {
+    if (trace.background != nullptr) {
+      return trace.background[ray * trace.channels + channel];
+    }
+    return options.opaque ? targets[ray].backdrop : 0.0F;
+  }
   DEJA_VIEW_HOST_DEVICE void AddDepth(std::size_t ray, RayLossSum* sum) const;
   DEJA_VIEW_HOST_DEVICE void AddColor(std::size_t ray,
                                       std::size_t channel,
@@ -150,18 +167,24 @@ DEJA_VIEW_HOST_DEVICE inline void RayLoss::AddColor(std::size_t ray,
     radiance += trace.weight[s] * trace.color[s * trace.channels + c];
   }
   const bool has_background = trace.background != nullptr;
-  const float background = has_background ? trace.background[ray * trace.channels + c] : 0.0F;
-  radiance += trace.transmittance[ray] * background;
+  if (has_background) {
+    radiance += trace.transmittance[ray] * trace.background[ray * trace.channels + c];
+  }
+  const float shown_error = gain * radiance + exposure.bias - target.color[c];
+  sum->squared_error += static_cast<double>(shown_error * shown_error);
+  const float background = Background(ray, c);
+  if (!has_background) {
+    radiance += trace.transmittance[ray] * background;
+  }
   const float error = gain * radiance + exposure.bias - target.color[c];
-  sum->squared_error += static_cast<double>(error * error);
   sum->loss += static_cast<double>(share * Huber(error, delta));
   const float d_observed = share * std::clamp(error, -delta, delta);
   out.d_exposure[ray].gain += d_observed * target.vignetting * radiance;
   out.d_exposure[ray].bias += d_observed;
   const float d_radiance = d_observed * gain;
+  const float passed = d_radiance * trace.transmittance[ray];
+  *behind += passed * background;
   if (has_background) {
-    const float passed = d_radiance * trace.transmittance[ray];
-    *behind += passed * background;
     out.d_background_rows[ray * out.background_stride + c] = passed * background * (1 - background);
   }
   for (std::size_t s = begin; s < end; ++s) {

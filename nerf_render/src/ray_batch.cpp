@@ -57,6 +57,7 @@ void RayBatch::AddRay(const RadianceField& field,
   target.view = v;
   target.off_axis = 1 - d.z;
   target.vignetting = field.vignetting.At(target.off_axis);
+  target.backdrop = BackdropOf(jitter);
   const int channels = view.image.channels();
   const std::uint8_t* pixel = view.image.ptr(y) + static_cast<std::ptrdiff_t>(x) * channels;
   for (int c = 0; c < channels; ++c) {

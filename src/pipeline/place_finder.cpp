@@ -41,9 +41,10 @@ ImageWords PlaceFinder::Words(const std::vector<Descriptor>& descriptors) const 
 }
 
 void PlaceFinder::Index(int keyframe, const BowVector& bow, int tag) {
-  places_.Add(keyframe, bow, tag);
   if (scored_) {
     scored_->Add(keyframe, bow, tag);
+  } else {
+    places_.Add(keyframe, bow, tag);
   }
   (tag == kRealImage ? place_words_ : view_words_) += bow.entries.size();
 }
@@ -59,9 +60,10 @@ void PlaceFinder::AddView(int keyframe, int view, const BowVector& bow) {
 }
 
 void PlaceFinder::RemoveView(int keyframe, int view) {
-  places_.Remove(keyframe, TagOf(view));
   if (scored_) {
     scored_->Remove(keyframe, TagOf(view));
+  } else {
+    places_.Remove(keyframe, TagOf(view));
   }
 }
 

@@ -98,7 +98,7 @@ class PlaceFinder {
   CandidateOptions options_;
   std::shared_ptr<const Vocabulary> vocabulary_;
   PlaceDatabase places_;
-  std::optional<ScoredPlaces> scored_;    ///< the same entries, with scoring.is_on
+  std::optional<ScoredPlaces> scored_;    ///< with scoring.is_on; then places_ is empty
   std::vector<Entry> entries_;            ///< the places, the oldest first
   std::deque<WeightedBow> predecessors_;  ///< words of the newest keyframes
   std::size_t empty_bytes_ = 0;           ///< of an index without entries

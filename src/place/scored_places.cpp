@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <utility>
 
 namespace deja_view {
@@ -46,71 +45,87 @@ WeightedBow ScoredPlaces::Weigh(const BowVector& bow) const {
 }
 
 void ScoredPlaces::Add(int id, const BowVector& bow, int tag) {
-  Entry entry{id, tag, Weigh(bow)};
-  for (const WeightedWord& w : entry.words) {
-    postings_.at(w.word).push_back({entries_.size(), w.weight});
+  const auto [place, is_new] = place_of_.try_emplace(id, static_cast<int>(ids_.size()));
+  if (is_new) {
+    ids_.push_back(id);
   }
-  entries_.push_back(std::move(entry));
+  const auto entry = static_cast<std::uint32_t>(entries_.size());
+  for (const WeightedWord& w : Weigh(bow)) {
+    postings_.at(w.word).push_back({entry, static_cast<float>(w.weight)});
+  }
+  entries_.push_back({place->second, tag});
 }
 
 void ScoredPlaces::Remove(int id, int tag) {
+  const auto place = place_of_.find(id);
   for (Entry& entry : entries_) {
-    if (entry.id == id && entry.tag == tag) {
-      entry.id = -1;
+    if (place != place_of_.end() && entry.place == place->second && entry.tag == tag) {
+      entry.place = kRemoved;
     }
   }
 }
 
 void ScoredPlaces::Clear() {
   entries_.clear();
+  ids_.clear();
+  place_of_.clear();
   postings_.assign(postings_.size(), {});
+}
+
+// Per place the cosines of its original image (0 without) and of its best view (-1 without).
+std::vector<ScoredPlaces::Cosines> ScoredPlaces::CosinesWith(const WeightedBow& query) const {
+  std::vector<float> of_entry(entries_.size(), 0.0F);
+  for (const WeightedWord& w : query) {
+    const auto weight = static_cast<float>(w.weight);
+    for (const Posting& posting : postings_.at(w.word)) {
+      of_entry[posting.entry] += weight * posting.weight;
+    }
+  }
+  std::vector<Cosines> of_place(ids_.size());
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    if (entries_[i].place == kRemoved) {
+      continue;
+    }
+    Cosines& place = of_place[static_cast<std::size_t>(entries_[i].place)];
+    const float cosine = std::min(1.0F, of_entry[i]);
+    if (entries_[i].tag == 0) {
+      place.original = cosine;
+    } else {
+      place.best_view = std::max(place.best_view, cosine);
+    }
+  }
+  return of_place;
 }
 
 std::vector<ScoredPlace> ScoredPlaces::Query(const WeightedBow& query,
                                              int max_id,
                                              std::size_t count) const {
-  std::vector<double> cosines(entries_.size(), 0.0);
-  for (const WeightedWord& w : query) {
-    for (const Posting& posting : postings_.at(w.word)) {
-      cosines[posting.entry] += w.weight * posting.weight;
-    }
-  }
-  std::map<int, std::pair<double, double>> by_id;  // original, best virtual or -1
-  for (std::size_t i = 0; i < entries_.size(); ++i) {
-    const Entry& entry = entries_[i];
-    if (entry.id < 0 || entry.id > max_id) {
-      continue;
-    }
-    const double cosine = std::min(1.0, cosines[i]);
-    auto& [original, best_view] = by_id.try_emplace(entry.id, 0.0, -1.0).first->second;
-    if (entry.tag == 0) {
-      original = cosine;
-    } else {
-      best_view = std::max(best_view, cosine);
-    }
-  }
+  const std::vector<Cosines> cosines = CosinesWith(query);
   std::vector<ScoredPlace> places;
-  for (const auto& [id, scores] : by_id) {
-    const auto& [original, best_view] = scores;
-    const double view = best_view < 0 ? original : best_view;
-    const double score = CombineScores(original, view, {options_.alpha, options_.beta}).score;
-    if (score > 0) {
-      places.push_back({id, original, view, score});
+  for (std::size_t i = 0; i < ids_.size(); ++i) {
+    const double original = static_cast<double>(cosines[i].original);
+    const double view =
+        cosines[i].best_view < 0 ? original : static_cast<double>(cosines[i].best_view);
+    if (ids_[i] <= max_id && std::max(original, view) > 0) {
+      const double score = CombineScores(original, view, {options_.alpha, options_.beta}).score;
+      places.push_back({ids_[i], original, view, score});
     }
   }
-  std::stable_sort(places.begin(), places.end(), [](const ScoredPlace& a, const ScoredPlace& b) {
-    return a.score > b.score;
-  });
-  places.resize(std::min(places.size(), count));
+  const std::size_t kept = std::min(places.size(), count);
+  std::partial_sort(places.begin(),
+                    places.begin() + static_cast<std::ptrdiff_t>(kept),
+                    places.end(),
+                    [](const ScoredPlace& a, const ScoredPlace& b) {
+                      return a.score != b.score ? a.score > b.score : a.id < b.id;
+                    });
+  places.resize(kept);
   return places;
 }
 
 std::size_t ScoredPlaces::memory_bytes() const {
-  std::size_t bytes =
-      entries_.capacity() * sizeof(Entry) + postings_.capacity() * sizeof(std::vector<Posting>);
-  for (const Entry& entry : entries_) {
-    bytes += entry.words.capacity() * sizeof(WeightedWord);
-  }
+  constexpr std::size_t kPerPlace = sizeof(int) + 48;  // a number, and a node of the map
+  std::size_t bytes = entries_.capacity() * sizeof(Entry) + ids_.size() * kPerPlace +
+                      postings_.capacity() * sizeof(std::vector<Posting>);
   for (const auto& postings : postings_) {
     bytes += postings.capacity() * sizeof(Posting);
   }

@@ -8,6 +8,7 @@
 
 #include "deja_view/features/brief_extractor.hpp"
 #include "deja_view/place/place_database.hpp"
+#include "deja_view/place/scored_places.hpp"
 
 #include <algorithm>
 #include <cstdlib>
@@ -171,6 +172,33 @@ void AddAndRemove(benchmark::State& state, const std::string& score, const std::
     database.Remove(-1);
   }
 }
+
+// The paper's scoring, of words weighed by tf-idf.
+void QueryScored(benchmark::State& state) {
+  const auto keyframes = static_cast<std::size_t>(state.range(0));
+  const Data& data = GetData(keyframes);
+  static std::unique_ptr<ScoredPlaces> places;
+  static std::size_t filled = 0;
+  ScoringOptions options;
+  options.weights = WordWeighting::kTfidf;  // a random vocabulary has no synonyms
+  const std::size_t empty_bytes = ScoredPlaces(options, data.vocabulary).memory_bytes();
+  if (filled != keyframes) {
+    filled = keyframes;
+    places = std::make_unique<ScoredPlaces>(options, data.vocabulary);
+    for (std::size_t i = 0; i < keyframes; ++i) {
+      places->Add(static_cast<int>(i), data.map[i], 0);
+    }
+  }
+  std::size_t i = 0;
+  for (auto _ : state) {
+    const WeightedBow query = places->Weigh(data.queries[i++ % data.queries.size()]);
+    benchmark::DoNotOptimize(places->Query(query, static_cast<int>(keyframes), 20));
+  }
+  state.counters["bytes_per_keyframe"] =
+      static_cast<double>(places->memory_bytes() - empty_bytes) / static_cast<double>(keyframes);
+}
+
+BENCHMARK(QueryScored)->Arg(5000)->Arg(20000)->Arg(100000)->Unit(benchmark::kMicrosecond);
 
 void Register(const char* score, const char* idf) {
   const std::string name = fmt::format("{}_{}", score, idf);

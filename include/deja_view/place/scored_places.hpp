@@ -3,16 +3,18 @@
 #include "deja_view/place/word_scoring.hpp"
 
 #include <cstddef>
+#include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
 namespace deja_view {
 
-/// The paper's scoring of past places; off, the place database's own score is used.
+/// The paper's scoring of past places; off, the place database's own score (L1) is used.
 struct ScoringOptions {
-  bool is_on = false;
-  WordWeighting weights = WordWeighting::kTfidf;
+  bool is_on = true;
+  WordWeighting weights = WordWeighting::kSynonym;
   double alpha = 1.0;  ///< what the original image's weight gains with its lead
   double beta = 0.5;   ///< the same for the virtual image
   LoopThreshold threshold = LoopThreshold::kCalibrated;
@@ -67,21 +69,29 @@ class ScoredPlaces {
   std::size_t memory_bytes() const;
 
  private:
+  static constexpr int kRemoved = -1;
   struct Entry {
-    int id = -1;
+    int place = kRemoved;  ///< index in ids_
     int tag = 0;
-    WeightedBow words;  ///< of length 1
   };
   struct Posting {
-    std::size_t entry = 0;
-    double weight = 0;
+    std::uint32_t entry = 0;
+    float weight = 0;  ///< an entry's weights are of length 1
   };
+  struct Cosines {
+    float original = 0;
+    float best_view = -1;
+  };
+
+  std::vector<Cosines> CosinesWith(const WeightedBow& query) const;
 
   ScoringOptions options_;
   std::shared_ptr<const Vocabulary> vocabulary_;
   std::shared_ptr<const SynonymKernel> kernel_;
-  std::vector<Entry> entries_;  ///< id -1: removed
-  std::vector<std::vector<Posting>> postings_;
+  std::vector<Entry> entries_;
+  std::vector<int> ids_;
+  std::map<int, int> place_of_;                 ///< index in ids_ of an id
+  std::vector<std::vector<Posting>> postings_;  ///< per word
 };
 
 }  // namespace deja_view

@@ -18,8 +18,8 @@ namespace {
 /// A field with some structure, rays through it, and its loss by all terms at once.
 class Scene {
  public:
-  explicit Scene(int channels)
-      : field(Options(), March(), ConstantField(1, 0.5F).box, channels, 7) {
+  explicit Scene(int channels, bool far_background = true)
+      : field(Options(far_background), March(), ConstantField(1, 0.5F).box, channels, 7) {
     std::mt19937 rng(4);
     std::uniform_real_distribution<float> uniform(-1, 1);
     for (FeatureGrid* grid : {&field.geometry, &field.appearance, &field.background}) {
@@ -43,9 +43,9 @@ class Scene {
     loss_options = {0.2F, 0.3F, 0.5F};
   }
 
-  static FieldOptions Options() {
+  static FieldOptions Options(bool far_background) {
     FieldOptions options = SmallFieldOptions();
-    options.far_background = true;
+    options.far_background = far_background;
     options.background = {2, 4, 9, 4, 8};
     options.latent_size = 3;
     return options;
@@ -120,6 +120,31 @@ TEST_P(BackwardTest, NetworkGradientsAgreeWithDifferences) {
                   scene.Difference(&scene.field.color.parameters()[i], 3e-3F));
     }
   }
+}
+
+TEST_P(BackwardTest, WithABackdropGradientsAgreeWithDifferences) {
+  Scene scene(GetParam(), false);
+  scene.loss_options.opaque = true;
+  for (std::size_t r = 0; r < scene.targets.size(); ++r) {
+    scene.targets[r].color = {0, 0, 0};
+    scene.targets[r].backdrop = 0.15F * static_cast<float>(r + 1);
+  }
+  const ChunkGradient gradient = scene.Gradient();
+  int checked = 0;
+  for (std::size_t i = 0; i < gradient.density_network.size(); i += 7) {
+    if (std::abs(gradient.density_network[i]) > 1e-4F) {
+      ExpectClose(static_cast<double>(gradient.density_network[i]),
+                  scene.Difference(&scene.field.density.parameters()[i], 3e-3F));
+      ++checked;
+    }
+  }
+  EXPECT_GT(checked, 3);
+}
+
+TEST(Backdrop, IsTheDigitsOfTheJitterThatMoveNoSample) {
+  EXPECT_FLOAT_EQ(BackdropOf(0.0F), 0.0F);
+  EXPECT_FLOAT_EQ(BackdropOf(0.5F), 0.0F);
+  EXPECT_FLOAT_EQ(BackdropOf(0.5F + 0.25F / 1024), 0.25F);
 }
 
 TEST_P(BackwardTest, GridGradientsAgreeWithDifferences) {

@@ -92,6 +92,29 @@ TEST(Trainer, DepthPointsDrawWeightToThem) {
   EXPECT_LT(errors[errors.size() / 2], 0.06F);
 }
 
+TEST(Trainer, DarkSurfacesAreNotMistakenForNothing) {
+  double opacity[2] = {};
+  for (const bool opaque : {false, true}) {
+    std::vector<TrainingView> views = MakeViews(8);
+    for (TrainingView& view : views) {
+      view.image.setTo(0);
+    }
+    TrainOptions options = SmallOptions();
+    options.opaque = opaque;
+    options.exposure = false;
+    Trainer trainer(options, views, RoomBox());
+    for (int i = 0; i < 100; ++i) {
+      trainer.Step(i / 100.0);
+    }
+    const FieldRenderer renderer(std::make_shared<RadianceField>(std::move(trainer).TakeField()));
+    const RenderedView view = renderer.Render(*views[0].camera, views[0].T_N_C, {});
+    opacity[opaque ? 1 : 0] = cv::mean(view.opacity)[0];
+    EXPECT_LT(cv::mean(view.image)[0], 20) << "dark, as it is";
+  }
+  EXPECT_LT(opacity[0], 0.7);
+  EXPECT_GT(opacity[1], 0.95);
+}
+
 TEST(Trainer, RefusesViewsItCantTrainOn) {
   EXPECT_THROW(Trainer(SmallOptions(), {}, RoomBox()), InputError);
   std::vector<TrainingView> views = MakeViews(2);

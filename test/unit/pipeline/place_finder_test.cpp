@@ -167,7 +167,7 @@ TEST_P(ScoredPlaceFinder, TheOwnScoreIsTakenAgainstTheNewestPredecessors) {
   const double stranger = Find(finder, 6, 60).best->score;
   EXPECT_GT(stranger, 2.0) << "over the least own score";
   finder.Pass(Look(6));
-  EXPECT_NEAR(Find(finder, 6, 60).best->score, 1.0, 1e-9) << "as alike as the image before";
+  EXPECT_NEAR(Find(finder, 6, 60).best->score, 1.0, 1e-6) << "as alike as the image before";
   for (int i = 0; i < 3; ++i) {
     finder.Pass(Look(90 + i));
   }

@@ -71,11 +71,14 @@ TEST(Scoring, ModesChangeTheScores) {
 
 TEST(Scoring, OffItChangesNothing) {
   LoopCloserOptions options = FlightOptions();
+  options.scoring.is_on = false;
+  const Outcome plain = Fly(options);
+  EXPECT_NE(BestScores(plain), BestScores(DefaultOutcome()));
   options.scoring.r = 99;
   options.scoring.weights = WordWeighting::kPrinted;
   const Outcome outcome = Fly(options);
-  EXPECT_EQ(BestScores(outcome), BestScores(DefaultOutcome()));
-  EXPECT_EQ(outcome.loops.size(), DefaultOutcome().loops.size());
+  EXPECT_EQ(BestScores(outcome), BestScores(plain));
+  EXPECT_EQ(outcome.loops.size(), plain.loops.size());
 }
 
 }  // namespace

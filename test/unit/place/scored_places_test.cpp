@@ -57,9 +57,9 @@ TEST_P(ScoredPlacesOf, GivesWhatTheEquationsGive) {
     EXPECT_LE(place.id, 18);
     const double original = CosineSimilarity(weigh(query), weigh(originals[id]));
     const double view = id % 2 == 0 ? CosineSimilarity(weigh(query), weigh(views[id])) : original;
-    EXPECT_NEAR(place.original, original, 1e-12);
-    EXPECT_NEAR(place.virtual_view, view, 1e-12);
-    EXPECT_NEAR(place.score, CombineScores(original, view).score, 1e-12);
+    EXPECT_NEAR(place.original, original, 1e-6);
+    EXPECT_NEAR(place.virtual_view, view, 1e-6);
+    EXPECT_NEAR(place.score, CombineScores(original, view).score, 1e-6);
   }
   for (std::size_t i = 1; i < found.size(); ++i) {
     EXPECT_GE(found[i - 1].score, found[i].score);
@@ -83,7 +83,7 @@ TEST(ScoredPlaces, ForgetsWhatIsRemoved) {
   const auto found = places.Query(places.Weigh(bow), 10, 10);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].id, 5);
-  EXPECT_NEAR(found[0].score, 1.0, 1e-12);
+  EXPECT_NEAR(found[0].score, 1.0, 1e-6);
 }
 
 TEST(ScoredPlaces, OptionsAreChecked) {

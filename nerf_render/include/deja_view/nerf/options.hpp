@@ -102,6 +102,7 @@ struct TrainOptions {
   float final_depth_share = 0.2F;     ///< and at the end
   int carve_votes = 10;  ///< depth rays through a cell that make it empty for good; 0: never
   float distortion_weight = 1e-3F;   ///< of the loss that gathers a ray's weights in one place
+  bool opaque = true;  ///< what lies in the box lets no light pass; see LossOptions::opaque
   bool exposure = true;              ///< fit a gain and a bias per image
   bool vignetting = true;            ///< fit how the lens darkens towards the border
   bool refine_poses = false;         ///< correct the training cameras' poses
@@ -132,6 +133,7 @@ struct TrainOptions {
     v("final_depth_share", final_depth_share);
     v("carve_votes", carve_votes);
     v("distortion_weight", distortion_weight);
+    v("opaque", opaque);
     v("exposure", exposure);
     v("vignetting", vignetting);
     v("refine_poses", refine_poses);
