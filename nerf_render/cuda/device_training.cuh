@@ -99,10 +99,8 @@ class DeviceTraining {
     loss.loss.trace = work_->tracer.View(field_);
     loss.loss.targets = work_->targets.data();
     loss.loss.exposures = images_.gain_bias();
-    loss.loss.options = {options_.huber_delta,
-                         options_.depth_weight,
-                         options_.distortion_weight,
-                         options_.opaque};
+    loss.loss.options = {
+        options_.huber_delta, options_.depth_weight, options_.distortion_weight, options_.opaque};
     LossRows& rows = loss.loss.out;
     rows.color_stride = field_.color.outputs();
     work_->d_weight.ResizeToZeros(samples);

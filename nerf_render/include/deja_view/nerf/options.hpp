@@ -101,11 +101,11 @@ struct TrainOptions {
   float depth_share = 0.4F;           ///< of the rays that go through depth points, at the start
   float final_depth_share = 0.2F;     ///< and at the end
   int carve_votes = 10;  ///< depth rays through a cell that make it empty for good; 0: never
-  float distortion_weight = 1e-3F;   ///< of the loss that gathers a ray's weights in one place
-  bool opaque = true;  ///< what lies in the box lets no light pass; see LossOptions::opaque
-  bool exposure = true;              ///< fit a gain and a bias per image
-  bool vignetting = true;            ///< fit how the lens darkens towards the border
-  bool refine_poses = false;         ///< correct the training cameras' poses
+  float distortion_weight = 1e-3F;  ///< of the loss that gathers a ray's weights in one place
+  bool opaque = true;         ///< what lies in the box lets no light pass; see LossOptions::opaque
+  bool exposure = true;       ///< fit a gain and a bias per image
+  bool vignetting = true;     ///< fit how the lens darkens towards the border
+  bool refine_poses = false;  ///< correct the training cameras' poses
   float pose_learning_rate = 1e-3F;  ///< [rad] and, times the box's longest side, [m]
   int warmup_steps = 128;            ///< short steps before empty space is skipped
   int occupancy_interval = 16;       ///< steps between updates of the occupancy grid
