@@ -32,6 +32,12 @@ ViewOutcome LoopCloser::AddVirtualView(const VirtualView& view) {
   return impl_->AddVirtualView(view);
 }
 
+void LoopCloser::Ask(std::int64_t stamp_current_ns,
+                     std::int64_t stamp_old_ns,
+                     std::int64_t within_ns) {
+  impl_->Ask(stamp_current_ns, stamp_old_ns, within_ns);
+}
+
 bool LoopCloser::UpdateLoop(int current, const Rigid3& T_Bold_Bcurrent) {
   return impl_->UpdateLoop(current, T_Bold_Bcurrent);
 }

@@ -71,8 +71,10 @@ KeyframeReport LoopCloserImpl::AddKeyframe(const KeyframeInput& input) {
   Append(input, &report);
   Triangulate(&current, &report.times);
   TakeDueSolution(&report);
-  FindLoops(FindCandidates(current, &report), current, &report);
+  const std::vector<Candidate> candidates = FindCandidates(current, &report);
+  FindLoops(candidates, current, &report);
   report.reason = ReasonOf(report);
+  Explain(candidates, current, &report);
   BecomePlace(std::move(current), &report.times);
   StartDueSolve(&report.times);
   return report;
@@ -200,6 +202,10 @@ void LoopCloserImpl::Withdraw(const std::vector<int>& edges, std::vector<LoopRep
 void LoopCloserImpl::BecomePlace(NewKeyframe current, KeyframeTimes* times) {
   const StepTimer timer(&times->words);
   const int index = keyframes_.newest();
+  if (question_ && question_->old < 0 && IsMeant(question_->stamp_old_ns)) {
+    question_->old = index;
+    question_->old_features = current.features;
+  }
   if (options_.add_places &&
       policy_.IsNewPlace(CameraOf(index), current.features, CamerasAround(false))) {
     keyframes_.MakePlace(std::move(current.features));

@@ -8,6 +8,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "keyframe_map.hpp"
@@ -34,6 +35,7 @@ class LoopCloserImpl {
   KeyframeReport AddKeyframe(const KeyframeInput& input);
   ViewOutcome AddVirtualView(const VirtualView& view) { return shelf_.Add(view, keyframes_); }
   void SetExtrinsic(const Rigid3& T_B_C) { T_B_C_ = T_B_C; }
+  void Ask(std::int64_t stamp_current_ns, std::int64_t stamp_old_ns, std::int64_t within_ns);
   bool UpdateLoop(int current, const Rigid3& T_Bold_Bcurrent);
   std::vector<LoopReport> OptimizeFully();
   void Save(const std::filesystem::path& directory) const;
@@ -71,12 +73,27 @@ class LoopCloserImpl {
   void BecomePlace(NewKeyframe current, KeyframeTimes* times);
   void StartDueSolve(KeyframeTimes* times);
 
+  /// Whether the newest keyframe is the one of the stamp.
+  bool IsMeant(std::int64_t stamp_ns) const;
+  /// Answers what was asked of this pair of keyframes.
+  void Explain(const std::vector<Candidate>& candidates,
+               const NewKeyframe& current,
+               KeyframeReport* report) const;
+  PairExplanation::Attempt Attempt(int old,
+                                   const KeyframeFeatures& old_features,
+                                   bool with_views,
+                                   const NewKeyframe& current) const;
+
   NearbyPlace CameraOf(int keyframe) const;
   /// The cameras of all places in the newest keyframe's world.
   std::vector<NearbyPlace> CamerasAround(bool with_views) const;
   /// A loop was accepted so lately that the corrected pose is the better guess.
   bool IsLocalised() const;
   bool IsWithinReach(int old, const NewKeyframe& current) const;
+  Verification VerifyPair(int old,
+                          const KeyframeFeatures& old_features,
+                          bool with_views,
+                          const NewKeyframe& current) const;
   LoopReport Verify(const Candidate& candidate,
                     bool with_views,
                     const NewKeyframe& current,
@@ -90,7 +107,16 @@ class LoopCloserImpl {
                                     const Verification& verification,
                                     const NewKeyframe& current) const;
   std::vector<LoopReport> LoopsAndJoints() const;
-  LoopMatches MakeMatches(const LoopReport& loop, const Verification& verification) const;
+  std::vector<LoopMatches::Pair> PairsOf(int old, const Verification& verification) const;
+
+  /// A pair of keyframes to be explained.
+  struct Question {
+    std::int64_t stamp_current_ns = 0;
+    std::int64_t stamp_old_ns = 0;
+    std::int64_t within_ns = 0;
+    int old = -1;                   ///< once it is there
+    KeyframeFeatures old_features;  ///< of a keyframe of this flight, place or not
+  };
 
   LoopCloserOptions options_;
   std::shared_ptr<const Camera> camera_;
@@ -105,6 +131,7 @@ class LoopCloserImpl {
   KeyframeMap keyframes_;
   LoopBook loops_;
   SolveSchedule solve_;
+  std::optional<Question> question_;
   bool starts_sequence_ = true;  ///< the next keyframe does
   int last_localised_ = -1;      ///< newest keyframe with an accepted loop
 };

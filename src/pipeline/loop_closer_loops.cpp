@@ -62,14 +62,12 @@ std::vector<Candidate> LoopCloserImpl::FindCandidates(const NewKeyframe& current
   return std::move(found.candidates);
 }
 
-LoopReport LoopCloserImpl::Verify(const Candidate& candidate,
-                                  bool with_views,
-                                  const NewKeyframe& current,
-                                  Verification* verification) const {
-  const int old = candidate.keyframe;
+Verification LoopCloserImpl::VerifyPair(int old,
+                                        const KeyframeFeatures& old_features,
+                                        bool with_views,
+                                        const NewKeyframe& current) const {
   const int newest = keyframes_.newest();
-  const KeyframeFeatures& old_features = keyframes_.features(old);
-  *verification = verifier_.VerifyRig(
+  return verifier_.VerifyRig(
       current.features,
       keyframes_.node(newest).T_W_B.q,
       old_features,
@@ -77,6 +75,15 @@ LoopReport LoopCloserImpl::Verify(const Candidate& candidate,
       with_views ? shelf_.RigOf(old, old_features.T_B_C) : std::vector<RigCamera>(),
       keyframes_.AreJoined(old, newest) ? std::optional<Rigid3>(keyframes_.T_a_b(old, newest))
                                         : std::nullopt);
+}
+
+LoopReport LoopCloserImpl::Verify(const Candidate& candidate,
+                                  bool with_views,
+                                  const NewKeyframe& current,
+                                  Verification* verification) const {
+  const int old = candidate.keyframe;
+  const int newest = keyframes_.newest();
+  *verification = VerifyPair(old, keyframes_.features(old), with_views, current);
   LoopReport report;
   report.is_virtual = with_views;
   report.current = newest;
@@ -111,16 +118,16 @@ Relocalisation LoopCloserImpl::MakeRelocalisation(const LoopReport& loop,
   return result;
 }
 
-LoopMatches LoopCloserImpl::MakeMatches(const LoopReport& loop,
-                                        const Verification& verification) const {
-  LoopMatches matches{loop.stamp_current_ns, loop.stamp_old_ns, loop.is_virtual, {}};
-  const std::vector<StoredView>& views = shelf_.Of(loop.old);
+std::vector<LoopMatches::Pair> LoopCloserImpl::PairsOf(int old,
+                                                       const Verification& verification) const {
+  std::vector<LoopMatches::Pair> pairs;
+  const std::vector<StoredView>& views = shelf_.Of(old);
   for (const PixelMatch& match : verification.pixel_matches) {
     const int view =
         match.camera == 0 ? -1 : views[static_cast<std::size_t>(match.camera - 1)].index;
-    matches.pairs.push_back({view, match.old_pixel, match.current_pixel});
+    pairs.push_back({view, match.old_pixel, match.current_pixel});
   }
-  return matches;
+  return pairs;
 }
 
 bool LoopCloserImpl::TakeVerified(const LoopReport& loop,
@@ -144,7 +151,10 @@ bool LoopCloserImpl::TakeVerified(const LoopReport& loop,
   }
   report->graph_changed = report->graph_changed || entry.joins;
   if (is_believed) {
-    report->matches.push_back(MakeMatches(loop, verification));
+    report->matches.push_back({loop.stamp_current_ns,
+                               loop.stamp_old_ns,
+                               loop.is_virtual,
+                               PairsOf(loop.old, verification)});
   }
   // The VIO takes pixels of the old real image: what virtual views alone show is of no use to it.
   if (is_believed && !loop.is_virtual && !report->relocalisation) {

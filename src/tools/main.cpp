@@ -16,6 +16,7 @@ int Run(int argc, char** argv) {
   deja_view::AddApeCommand(app, &command);
 #ifdef DEJA_VIEW_WITH_ROS
   deja_view::AddEvaluateCommand(app, &command);
+  deja_view::AddExplainCommand(app, &command);
 #endif
   deja_view::AddReportCommand(app, &command);
   deja_view::AddSimulateCommand(app, &command);

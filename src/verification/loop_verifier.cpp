@@ -129,7 +129,7 @@ std::optional<Rigid3> LoopVerifier::FirstPose(const Pair& pair, Verification* v)
       EstimateRelativePose(problem.observations, pair.gravity, focal, options_.pose);
   v->ransac_inliers = static_cast<int>(ransac.inliers.size());
   if (v->ransac_inliers < options_.min_ransac_inliers ||
-      v->ransac_inliers < GatesOf(pair).min_ransac_ratio * v->matches) {
+      v->ransac_inliers < GatesOf(pair.has_rig()).min_ransac_ratio * v->matches) {
     v->reason = RejectReason::kTooFewInliers;
     return std::nullopt;
   }
@@ -174,7 +174,7 @@ void LoopVerifier::SolveFrom(const Rigid3& first,
     CountOnce(pair, guided, pose, v);
   }
   v->log10_false_alarms = Log10FalseAlarms(pair, guided, pose, log10_tests);
-  v->reason = Gate(*v, GatesOf(pair));
+  v->reason = Gate(*v, pair.has_rig());
 }
 
 Verification LoopVerifier::Solve(const Pair& pair, const std::optional<Rigid3>& predicted) const {
@@ -228,6 +228,25 @@ Verification LoopVerifier::VerifyRig(const KeyframeFeatures& current,
     pair.links.push_back({&view.features, view.camera.get(), &current, camera, true});
   }
   return Solve(pair, T_Bold_Bcurrent_predicted);
+}
+
+std::vector<PixelMatch> LoopVerifier::FirstMatches(const KeyframeFeatures& current,
+                                                   const KeyframeFeatures& old) const {
+  std::vector<PixelMatch> pixels;
+  for (const bool is_reverse : {false, true}) {
+    const Link link{is_reverse ? &old : &current,
+                    camera_.get(),
+                    is_reverse ? &current : &old,
+                    camera_.get(),
+                    is_reverse};
+    for (const Match& match : MatchAll(link)) {
+      const Eigen::Vector2f& point =
+          link.points->point_pixels[static_cast<std::size_t>(match.point)];
+      const Eigen::Vector2f& seen = link.image->keypoints[static_cast<std::size_t>(match.keypoint)];
+      pixels.push_back({0, is_reverse ? point : seen, is_reverse ? seen : point});
+    }
+  }
+  return pixels;
 }
 
 Agreement LoopVerifier::Agree(const RigCamera& virtual_camera,

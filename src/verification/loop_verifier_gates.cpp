@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "chance_of_support.hpp"
 #include "loop_verifier_parts.hpp"
@@ -31,6 +32,21 @@ double SceneDepth(const KeyframeFeatures& keyframe) {
     depths.push_back((point.cast<double>() - keyframe.T_B_C.t).norm());
   }
   return Median(&depths);
+}
+
+double OverlapShare(const KeyframeFeatures& from,
+                    const KeyframeFeatures& to,
+                    const Rigid3& T_to_from,
+                    const Camera& camera) {
+  const Rigid3 T_C_from = to.T_B_C.Inverse() * T_to_from;
+  const auto shows = [&](const Eigen::Vector3f& point) {
+    const auto pixel = camera.Project(T_C_from * point.cast<double>());
+    return pixel && camera.IsInImage(*pixel);
+  };
+  const auto shown = std::count_if(from.points_B.begin(), from.points_B.end(), shows);
+  return from.points_B.empty()
+             ? 0.0
+             : static_cast<double>(shown) / static_cast<double>(from.points_B.size());
 }
 
 std::vector<std::string> LoopVerifierOptions::Validate() const {
@@ -68,13 +84,13 @@ std::vector<std::string> RigGates::Validate() const {
   return r.errors();
 }
 
-RigGates LoopVerifier::GatesOf(const Pair& pair) const {
-  return pair.has_rig() ? options_.rig
-                        : RigGates{0.0,
-                                   options_.max_log10_false_alarms,
-                                   options_.min_inlier_ratio,
-                                   options_.max_gravity_deg,
-                                   options_.max_sigma_over_depth};
+RigGates LoopVerifier::GatesOf(bool has_rig) const {
+  return has_rig ? options_.rig
+                 : RigGates{0.0,
+                            options_.max_log10_false_alarms,
+                            options_.min_inlier_ratio,
+                            options_.max_gravity_deg,
+                            options_.max_sigma_over_depth};
 }
 
 void LoopVerifier::Summarise(const Pair& pair,
@@ -212,28 +228,52 @@ double LoopVerifier::Log10FalseAlarms(const Pair& pair,
   return log10_tests + chance.Log10Probability(kSpent);
 }
 
-RejectReason LoopVerifier::Gate(const Verification& v, const RigGates& gates) const {
-  if (v.log10_false_alarms > gates.max_log10_false_alarms) {
-    return RejectReason::kByChance;
-  }
-  if (v.found < gates.min_inlier_ratio * v.visible) {
-    return RejectReason::kLowInlierRatio;
-  }
-  if (v.T_Bold_Bcurrent.t.norm() > options_.max_distance_over_depth * v.scene_depth) {
-    return RejectReason::kTooFar;
-  }
-  if (RotationAngle(v.T_Bold_Bcurrent.q) > options_.max_yaw_deg * kDegree) {
-    return RejectReason::kTooMuchYaw;
-  }
-  if (v.gravity_disagreement > gates.max_gravity_deg * kDegree) {
-    return RejectReason::kGravity;
-  }
+std::vector<GateReading> LoopVerifier::Readings(const Verification& v, bool with_rig) const {
+  const RigGates gates = GatesOf(with_rig);
+  const std::string group = with_rig ? "rig." : "";
+  const auto over_depth = [&](double metres) {
+    return v.scene_depth > 0 ? metres / v.scene_depth : std::numeric_limits<double>::infinity();
+  };
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(v.covariance.topLeftCorner<3, 3>(),
                                                              Eigen::EigenvaluesOnly);
-  const double max_sigma =
-      std::min(options_.max_sigma_m, gates.max_sigma_over_depth * v.scene_depth);
-  if (!(eigen.eigenvalues().maxCoeff() < max_sigma * max_sigma)) {
-    return RejectReason::kUncertain;
+  const double variance = eigen.eigenvalues().maxCoeff();
+  const double sigma =
+      variance >= 0 ? std::sqrt(variance) : std::numeric_limits<double>::infinity();
+  return {
+      {RejectReason::kByChance,
+       group + "max_log10_false_alarms",
+       v.log10_false_alarms,
+       gates.max_log10_false_alarms},
+      {RejectReason::kLowInlierRatio,
+       group + "min_inlier_ratio",
+       v.visible > 0 ? static_cast<double>(v.found) / v.visible : 1.0,
+       gates.min_inlier_ratio,
+       true},
+      {RejectReason::kTooFar,
+       "max_distance_over_depth",
+       over_depth(v.T_Bold_Bcurrent.t.norm()),
+       options_.max_distance_over_depth},
+      {RejectReason::kTooMuchYaw,
+       "max_yaw_deg",
+       RotationAngle(v.T_Bold_Bcurrent.q) / kDegree,
+       options_.max_yaw_deg},
+      {RejectReason::kGravity,
+       group + "max_gravity_deg",
+       v.gravity_disagreement / kDegree,
+       gates.max_gravity_deg},
+      {RejectReason::kUncertain,
+       group + "max_sigma_over_depth",
+       over_depth(sigma),
+       gates.max_sigma_over_depth},
+      {RejectReason::kUncertain, "max_sigma_m", sigma, options_.max_sigma_m},
+  };
+}
+
+RejectReason LoopVerifier::Gate(const Verification& v, bool has_rig) const {
+  for (const GateReading& reading : Readings(v, has_rig)) {
+    if (!reading.passes()) {
+      return reading.reason;
+    }
   }
   return RejectReason::kNone;
 }

@@ -6,6 +6,7 @@
 #include "deja_view/views/virtual_view.hpp"
 #include "deja_view/vocabulary/vocabulary.hpp"
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <vector>
@@ -47,6 +48,11 @@ class LoopCloser {
   /// InputError, and counts it, for a view that can't be used: neither an image nor features for
   /// the vocabulary, sizes that do not agree, values that are not finite.
   ViewOutcome AddVirtualView(const VirtualView& view);
+
+  /// From now on the keyframe of the one stamp is explained against that of the other, which comes
+  /// before it or is a place of the loaded map: KeyframeReport::explanation. The first keyframes
+  /// whose stamps differ by at most `within_ns` are meant. Changes nothing else.
+  void Ask(std::int64_t stamp_current_ns, std::int64_t stamp_old_ns, std::int64_t within_ns);
 
   /// The VIO's own measurement after fast relocalisation: pose of keyframe `current` relative to
   /// the old keyframe of its Relocalisation, refined over the VIO's window. Ignored, with false,

@@ -2,6 +2,7 @@
 
 #include "deja_view/geometry/rigid3.hpp"
 #include "deja_view/host/keyframe_input.hpp"
+#include "deja_view/verification/loop_verifier.hpp"
 #include "deja_view/verification/reject_reason.hpp"
 
 #include <cstdint>
@@ -102,6 +103,34 @@ struct BestPlace {
   double score = 0;
 };
 
+/// Why two keyframes were joined or not.
+struct PairExplanation {
+  /// One way to verify the pair.
+  struct Attempt {
+    Verification verification;
+    std::vector<GateReading> readings;     ///< where a pose was found; else empty
+    std::vector<LoopMatches::Pair> pairs;  ///< its inliers
+  };
+  int current = -1;  ///< index of the keyframe
+  int old = -1;
+  std::int64_t stamp_current_ns = 0;
+  std::int64_t stamp_old_ns = 0;
+  bool is_place = false;   ///< the old keyframe can be recognised
+  int candidates = 0;      ///< keyframes that were tried in the flight
+  int rank = -1;           ///< of the old one among them, from 0; -1: it was not tried
+  double score = 0;        ///< its place score, if it was
+  int points_current = 0;  ///< points with a known place
+  int points_old = 0;
+  std::optional<Rigid3> T_Bold_Bcurrent_predicted;  ///< by the odometry and the loops before
+  double predicted_overlap = 0;  ///< share of the current points that the old image then shows
+  Attempt real;                  ///< by the two images alone
+  std::optional<Attempt> with_views;
+  std::vector<PixelMatch> first_matches;  ///< of the real images, before geometry
+  /// The flight's own decision; of a pair that was not tried, what it would have come to but for
+  /// its agreement with other loops.
+  RejectReason reason = RejectReason::kNoCandidate;
+};
+
 /// What AddKeyframe did.
 struct KeyframeReport {
   int index = -1;
@@ -116,7 +145,8 @@ struct KeyframeReport {
   std::optional<BestPlace> best_place;  ///< whether or not it reached any threshold
   std::optional<Relocalisation> relocalisation;
   std::vector<LoopMatches> matches;  ///< of this keyframe's own loops that were accepted at once
-  bool graph_changed = false;        ///< optimised poses moved: publish paths anew
+  std::optional<PairExplanation> explanation;  ///< if asked for: LoopCloser::Ask
+  bool graph_changed = false;                  ///< optimised poses moved: publish paths anew
   KeyframeTimes times;
 };
 

@@ -29,6 +29,13 @@ struct LoopProblem;
 /// without points.
 double SceneDepth(const KeyframeFeatures& keyframe);
 
+/// The share of `from`'s points that fall into the image of `to`, whose body sees them from
+/// `T_to_from`; 0 without points.
+double OverlapShare(const KeyframeFeatures& from,
+                    const KeyframeFeatures& to,
+                    const Rigid3& T_to_from,
+                    const Camera& camera);
+
 /// A virtual camera in the rig of an old keyframe: `features.T_B_C` is T_B_V, its points are those
 /// keypoints whose depth is certain.
 struct RigCamera {
@@ -146,6 +153,17 @@ struct Verification {
   std::vector<PixelMatch> pixel_matches;  ///< all inliers
 };
 
+/// One of the conditions that a loop has to meet, in their order.
+struct GateReading {
+  RejectReason reason = RejectReason::kNone;  ///< what a loop is refused for that does not meet it
+  std::string option;                         ///< key under `verification` in the options
+  double value = 0;
+  double limit = 0;
+  bool is_at_least = false;  ///< passes from the limit on, or else up to it
+
+  bool passes() const { return is_at_least ? value >= limit : value <= limit; }
+};
+
 /// Decides whether two keyframes show the same place and measures their relative pose: the current
 /// keyframe's points against the old image and the old keyframe's points against the current image,
 /// in one pose problem. Two-point RANSAC with known gravity, a guided second matching, robust
@@ -176,6 +194,15 @@ class LoopVerifier {
                          const std::vector<RigCamera>& virtual_cameras,
                          const std::optional<Rigid3>& T_Bold_Bcurrent_predicted = {}) const;
 
+  /// All conditions for a pose that was found (`inliers` > 0) by Verify, or with `with_rig` by
+  /// VerifyRig. The first one that does not pass is what `v` was refused for.
+  std::vector<GateReading> Readings(const Verification& v, bool with_rig) const;
+
+  /// The first matching, over whole images: of the current points in the old image and the other
+  /// way round.
+  std::vector<PixelMatch> FirstMatches(const KeyframeFeatures& current,
+                                       const KeyframeFeatures& old) const;
+
   /// Looks for the points of a virtual camera in the real image of the same body, and the other way
   /// round.
   Agreement Agree(const RigCamera& virtual_camera, const KeyframeFeatures& source) const;
@@ -198,8 +225,8 @@ class LoopVerifier {
                        std::size_t index,
                        const std::vector<Match>& matches,
                        Problem* problem) const;
+  RigGates GatesOf(bool has_rig) const;
   /// Pose from matches over whole images; sets `v->reason` where it returns nothing.
-  RigGates GatesOf(const Pair& pair) const;
   std::optional<Rigid3> FirstPose(const Pair& pair, Verification* v) const;
   /// Guided matching from a first pose, for which `log10_tests` poses were tried, through all
   /// gates.
@@ -223,7 +250,7 @@ class LoopVerifier {
                           const Problem& problem,
                           const RefinedPose& pose,
                           double log10_tests) const;
-  RejectReason Gate(const Verification& v, const RigGates& gates) const;
+  RejectReason Gate(const Verification& v, bool has_rig) const;
 
   LoopVerifierOptions options_;
   std::shared_ptr<const Camera> camera_;

@@ -73,7 +73,7 @@ void DrawRow(const MatchedLoop& loop, const ImageRow& row, Svg* svg) {
                                         : fmt::format("virtual view {} of the place", row.view);
   svg->AddText("small muted",
                row.old.corner + Point(0, row.old.height() + 17),
-               fmt::format("{}, {}", what, Count(static_cast<int>(lines.size()), "inlier")));
+               fmt::format("{}, {}", what, Count(static_cast<int>(lines.size()), loop.kind)));
   svg->AddText(
       "small muted", row.current.corner + Point(0, row.current.height() + 17), "the current image");
 }
@@ -139,6 +139,12 @@ std::string MatchTitle(const MatchedLoop& loop, std::int64_t start_ns) {
 }
 
 std::string MatchFigure(const MatchedLoop& loop, const Pictures& pictures, std::int64_t start_ns) {
+  return MatchFigure(loop, pictures, MatchTitle(loop, start_ns));
+}
+
+std::string MatchFigure(const MatchedLoop& loop,
+                        const Pictures& pictures,
+                        const std::string& title) {
   const auto panel = [&](std::int64_t stamp_ns, int view, double x, double y) {
     const Picture* picture = Find(pictures, stamp_ns, view);
     return Panel{picture != nullptr ? *picture : Unknown(loop), {x, y}};
@@ -154,9 +160,10 @@ std::string MatchFigure(const MatchedLoop& loop, const Pictures& pictures, std::
                     panel(loop.stamp_current_ns, -1, kPanel + kImageGap, y)});
     y += std::max(rows.back().old.height(), rows.back().current.height()) + kBetween;
   }
-  const std::string title = MatchTitle(loop, start_ns);
-  Svg svg(
-      2 * kPanel + kImageGap, y, title, "Inliers joined by lines; the old image is on the left.");
+  Svg svg(2 * kPanel + kImageGap,
+          y,
+          title,
+          "Matched points joined by lines; the old image is on the left.");
   svg.AddText("title", {0, 20}, title);
   for (const ImageRow& row : rows) {
     DrawRow(loop, row, &svg);

@@ -59,6 +59,9 @@ void Play(const ReplayRequest& request,
       accepted += loop.accepted() ? 1 : 0;
     }
     AddLoopRows(report.loops, &result->loops);
+    if (report.explanation && !result->explanation) {
+      result->explanation = report.explanation;
+    }
     for (const LoopMatches& matches : report.matches) {
       result->matches.Add(matches);
     }
@@ -126,6 +129,10 @@ ReplayResult RunReplay(const ReplayRequest& request) {
   if (!request.load_map.empty()) {
     closer.Load(request.load_map);
     result.map_keyframes = closer.keyframe_count();
+  }
+  if (request.pair) {
+    constexpr std::int64_t kWithin_ns = 20'000'000;  // keyframes are farther apart
+    closer.Ask(request.pair->current_ns, request.pair->old_ns, kWithin_ns);
   }
   Play(request, options, &closer, &result);
   RequireKeyframes(request, closer, result);

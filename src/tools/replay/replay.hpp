@@ -4,6 +4,7 @@
 #include "deja_view/pipeline/loop_closer.hpp"
 #include "deja_view/ros/bag/bag_replay.hpp"
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -18,6 +19,12 @@ namespace deja_view {
 struct RevisitLimits {
   double distance_m = 0;  ///< between the bodies
   double angle_deg = 0;   ///< between the viewing directions
+};
+
+/// Two keyframes, by their stamps.
+struct AskedPair {
+  std::int64_t current_ns = 0;
+  std::int64_t old_ns = 0;
 };
 
 /// What `deja_view replay` is told.
@@ -36,6 +43,7 @@ struct ReplayRequest {
   std::vector<std::string> overrides;        ///< "group.key=value" on top of the config
   bool use_virtual_views = true;             ///< the bag's /virtual_cam0/frame and the loaded map's
   std::optional<RevisitLimits> map_revisit;  ///< of a loaded map's places; default: as everywhere
+  std::optional<AskedPair> pair;             ///< to be explained
   bool show_progress = true;
 };
 
@@ -45,6 +53,7 @@ struct ReplayResult {
   int map_keyframes = 0;                ///< how many of them are the loaded map's
   std::vector<LoopReport> loops;        ///< in the order in which they were decided
   MatchSamples matches;                 ///< of some of them
+  std::optional<PairExplanation> explanation;
   /// Per keyframe with something to be matched with: (current, best past keyframe, score).
   struct Best {
     int current = -1;

@@ -11,6 +11,7 @@
 #include "common/reporting.hpp"
 #include "replay/replay.hpp"
 #include "replay/replay_judge.hpp"
+#include "replay/replay_options.hpp"
 #include <fmt/format.h>
 
 namespace deja_view {
@@ -127,17 +128,21 @@ void AddShortcuts(CLI::App* sub, ReplayRequest* request) {
 
 }  // namespace
 
+void AddReplayInput(CLI::App* sub, ReplayRequest* request) {
+  AddInputOptions(sub, request);
+  AddShortcuts(sub, request);
+}
+
 void AddReplayCommand(CLI::App& app, Command* command) {
   auto request = std::make_shared<ReplayRequest>();
   auto json_file = std::make_shared<std::string>();
   CLI::App* sub =
       app.add_subcommand("replay", "Close loops over a bag of VINS-Mono's topics at full speed");
-  AddInputOptions(sub, request.get());
+  AddReplayInput(sub, request.get());
   sub->add_option("--save-map", request->save_map, "Directory to save the map to");
   sub->add_option("--out", request->out, "Directory for trajectory.txt, vio.txt and loops.csv");
   sub->add_option("--json", *json_file, "File for the results");
   AddQuietOption(sub, &request->show_progress);
-  AddShortcuts(sub, request.get());
   sub->footer(
       "Example:\n  deja_view replay --bag hall.bag --camera euroc.yaml --groundtruth truth.txt "
       "--out out");

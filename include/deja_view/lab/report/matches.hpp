@@ -23,6 +23,7 @@ struct MatchedLoop {
   std::int64_t stamp_old_ns = 0;
   bool is_virtual = false;
   std::vector<Pair> pairs;
+  std::string kind = "inlier";  ///< what a pair is called
 
   /// How many inliers are in the view.
   int CountIn(int view) const;
@@ -58,5 +59,8 @@ std::string MatchTitle(const MatchedLoop& loop, std::int64_t start_ns);
 /// image, and where virtual views took part the one with most inliers. A picture that is missing is
 /// drawn as an empty frame.
 std::string MatchFigure(const MatchedLoop& loop, const Pictures& pictures, std::int64_t start_ns);
+std::string MatchFigure(const MatchedLoop& loop,
+                        const Pictures& pictures,
+                        const std::string& title);
 
 }  // namespace deja_view::report
