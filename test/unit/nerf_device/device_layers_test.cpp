@@ -190,6 +190,21 @@ TEST_F(DeviceGridTest, OnlyTouchedBricksAreUpdated) {
   }
 }
 
+TEST_F(DeviceGridTest, DroppedGradientsChangeNothing) {
+  const std::vector<float> d_rows(16, 1.0F);
+  const std::vector<float> before = device_.values.Download();
+  DeviceGridOptimizer<HostSystem> optimizer;
+  optimizer.Start(device_, false);
+  optimizer.Add(device_, places(), d_rows.data(), 16, 1);
+  optimizer.DropGradient();
+  optimizer.Update({}, &device_);
+  EXPECT_EQ(device_.values.Download(), before);
+  // Nor do they come back with the next ones.
+  optimizer.Add(device_, places(), std::vector<float>(16, 0.0F).data(), 16, 1);
+  optimizer.Update({}, &device_);
+  EXPECT_EQ(device_.values.Download(), before);
+}
+
 TEST_F(DeviceGridTest, NoSamplesChangeNothing) {
   const std::vector<float> before = device_.values.Download();
   DeviceGridOptimizer<HostSystem> optimizer;
