@@ -100,7 +100,7 @@ TEST(ChooseDevice, TakesTheNamedOne) {
 
 class DeviceFailuresTest : public testing::Test {
  protected:
-  ~DeviceFailuresTest() override { HealHost(); }
+  void TearDown() override { HealHost(); }
 
   static RadianceField OpaqueField() {
     RadianceField field = ConstantField(20, 0.3F);

@@ -182,7 +182,7 @@ TEST_F(DeviceGridTest, OnlyTouchedBricksAreUpdated) {
       changed += once[i] != before[i] ? 1 : 0;
     }
     EXPECT_GT(changed, std::size_t{0});
-    EXPECT_LE(changed, std::size_t{4 * 8 * 4});
+    EXPECT_LE(changed, std::size_t{4} * 8 * 4);
     // Nothing is left over for the next step; momentum moves what is touched only.
     optimizer.Update({}, &device_);
     EXPECT_EQ(device_.values.Download(), once);
