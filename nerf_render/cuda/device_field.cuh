@@ -79,18 +79,12 @@ class DeviceNetwork {
   }
 
   /// x: samples x inputs(). The result, samples x outputs(), is held until the next call.
-  const float* Forward(const float* x, std::size_t samples) {
-    for (std::size_t l = 0; l < layers(); ++l) {
-      const LayerView view = layer(l);
-      rows_[l]->Resize(samples * view.outputs);
-      ForEach<System>(samples * view.outputs,
-                      LayerForward{view, x, l + 1 < layers(), rows_[l]->data()});
-      x = rows_[l]->data();
-    }
-    return x;
-  }
+  const float* Forward(const float* x, std::size_t samples) { return Run(x, samples, layers()); }
+  /// All that Backward needs.
+  void ForwardHidden(const float* x, std::size_t samples) { Run(x, samples, layers() - 1); }
 
-  /// Behind Forward of the same x: adds to `gradient` (as values) and writes the derivative of x.
+  /// Behind Forward or ForwardHidden of the same x: adds to `gradient` (as values) and writes the
+  /// derivative of x.
   void Backward(const float* x,
                 const float* d_out,
                 std::size_t samples,
@@ -115,6 +109,17 @@ class DeviceNetwork {
   DeviceArray<System, float> values;
 
  private:
+  const float* Run(const float* x, std::size_t samples, std::size_t end) {
+    for (std::size_t l = 0; l < end; ++l) {
+      const LayerView view = layer(l);
+      rows_[l]->Resize(samples * view.outputs);
+      ForEach<System>(samples * view.outputs,
+                      LayerForward{view, x, l + 1 < layers(), rows_[l]->data()});
+      x = rows_[l]->data();
+    }
+    return x;
+  }
+
   void AddGradient(const LayerView& view,
                    const float* x,
                    const float* d_y,

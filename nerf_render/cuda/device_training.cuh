@@ -177,7 +177,7 @@ class DeviceTraining {
     ends.stride = stride;
     ends.features = field_.geometry.outputs();
     ForEach<System>(samples, ends);
-    field_.density.Forward(work_->rows.data(), samples);
+    field_.density.ForwardHidden(work_->rows.data(), samples);
     work_->d_out.Resize(samples * field_.density.outputs());
     ForEach<System>(samples,
                     FirstOfRow{work_->d_raw.data(), field_.density.outputs(), work_->d_out.data()});

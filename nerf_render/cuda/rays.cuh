@@ -38,8 +38,9 @@ struct RayOfPixel {
   DEJA_VIEW_HOST_DEVICE void operator()(std::size_t index) const {
     const auto width = static_cast<std::size_t>(job.width);
     const std::size_t pixel = first + index;
+    const std::size_t row = pixel / width;
     const std::array<double, 3> d_C =
-        job.lens.Unproject(static_cast<double>(pixel % width), static_cast<double>(pixel / width));
+        job.lens.Unproject(static_cast<double>(pixel % width), static_cast<double>(row));
     const std::array<double, 3> d_N = Rotate(job.T_N_C, d_C);
     rays[index] = RayInBox(box, job.T_N_C.t.data(), d_N.data(), 0.5F);
     const float off_axis = 1 - static_cast<float>(d_C[2]);
@@ -96,7 +97,8 @@ struct DrawRay {
       pixel = {point.view, point.x, point.y, point.range, random.UniformFloat()};
       return pixel;
     }
-    const auto rays_per_patch = static_cast<std::size_t>(patch * patch);
+    const auto side = static_cast<std::size_t>(patch);
+    const std::size_t rays_per_patch = side * side;
     const std::size_t number = (i - depth_rays) / rays_per_patch;
     const std::size_t place = (i - depth_rays) % rays_per_patch;
     random.Skip(2 * depth_rays + number * (3 + rays_per_patch));

@@ -265,10 +265,10 @@ void AddAlign(CLI::App* nerf, Command* command) {
 
 void AddInfo(CLI::App* nerf, Command* command) {
   CLI::App* sub = nerf->add_subcommand(
-      "info", "Check a model file and show what it holds, and the graphics cards there are");
+      "info", "Show the graphics cards there are, and check a model file and show what it holds");
   auto path = std::make_shared<fs::path>();
   auto json_file = std::make_shared<std::string>();
-  sub->add_option("model", *path, "Model file")->required()->check(CLI::ExistingFile);
+  sub->add_option("model", *path, "Model file")->check(CLI::ExistingFile);
   sub->add_option("--json", *json_file, "File for the figures");
   ReportOf(sub, command, RunNerfInfo, path, json_file);
 }

@@ -117,7 +117,8 @@ nlohmann::ordered_json RunNerfRender(const NerfRenderRequest& request);
 /// Writes the model again, with its place among poses in metres. Returns `model, alignment`.
 nlohmann::ordered_json RunNerfAlign(const NerfAlignRequest& request);
 
-/// Reads a model to the last byte; returns what it holds, and what could render it.
+/// Reads a model to the last byte; returns what it holds, and what could render it: the latter
+/// alone where the path is empty.
 nlohmann::ordered_json RunNerfInfo(const std::filesystem::path& path);
 
 }  // namespace deja_view

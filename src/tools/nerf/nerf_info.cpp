@@ -41,9 +41,7 @@ Json Devices() {
   return json;
 }
 
-}  // namespace
-
-Json RunNerfInfo(const std::filesystem::path& path) {
+Json Model(const std::filesystem::path& path) {
   const nerf::RadianceField field = nerf::ReadField(path);
   nerf::FieldOptions options = field.options;
   internal::OptionsWriter writer;
@@ -67,8 +65,18 @@ Json RunNerfInfo(const std::filesystem::path& path) {
                        field.density.parameters().size() + field.color.parameters().size();
   json["occupied_share"] = static_cast<double>(field.occupancy.CountOccupied()) /
                            static_cast<double>(field.occupancy.cell_count());
-  json["devices"] = Devices();
   json["options"] = writer.text();
+  return json;
+}
+
+}  // namespace
+
+Json RunNerfInfo(const std::filesystem::path& path) {
+  Json json;
+  json["devices"] = Devices();
+  if (!path.empty()) {
+    json.update(Model(path));
+  }
   return json;
 }
 

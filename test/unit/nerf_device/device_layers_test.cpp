@@ -182,12 +182,27 @@ TEST_F(DeviceGridTest, OnlyTouchedBricksAreUpdated) {
       changed += once[i] != before[i] ? 1 : 0;
     }
     EXPECT_GT(changed, std::size_t{0});
-    EXPECT_LE(changed, std::size_t{4 * 8 * 4});
+    EXPECT_LE(changed, std::size_t{4} * 8 * 4);
     // Nothing is left over for the next step; momentum moves what is touched only.
     optimizer.Update({}, &device_);
     EXPECT_EQ(device_.values.Download(), once);
     device_.values.Upload(before);
   }
+}
+
+TEST_F(DeviceGridTest, DroppedGradientsChangeNothing) {
+  const std::vector<float> d_rows(16, 1.0F);
+  const std::vector<float> before = device_.values.Download();
+  DeviceGridOptimizer<HostSystem> optimizer;
+  optimizer.Start(device_, false);
+  optimizer.Add(device_, places(), d_rows.data(), 16, 1);
+  optimizer.DropGradient();
+  optimizer.Update({}, &device_);
+  EXPECT_EQ(device_.values.Download(), before);
+  // Nor do they come back with the next ones.
+  optimizer.Add(device_, places(), std::vector<float>(16, 0.0F).data(), 16, 1);
+  optimizer.Update({}, &device_);
+  EXPECT_EQ(device_.values.Download(), before);
 }
 
 TEST_F(DeviceGridTest, NoSamplesChangeNothing) {

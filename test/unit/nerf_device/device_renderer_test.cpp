@@ -75,8 +75,12 @@ TEST(DeviceRenderer, ShowsASlabInColourAsTheCpuDoes) {
   field->march = MarchOptions();
   field->vignetting.k = {-1, 0.2F, 0};
   const auto camera = MakeCamera({"PINHOLE", 37, 21, {0, 0, 0, 0}, {25, 25, 18, 10}}, "test");
-  ExpectSameView(FieldRenderer(field).Render(*camera, {}, {}),
-                 FieldRenderer(field, kStandIn).Render(*camera, {}, {}));
+  ViewRenderOptions options;
+  for (const bool vignetting : {true, false}) {
+    options.vignetting = vignetting;
+    ExpectSameView(FieldRenderer(field).Render(*camera, {}, options),
+                   FieldRenderer(field, kStandIn).Render(*camera, {}, options));
+  }
 }
 
 TEST(DeviceRenderer, ShowsNothingOfEmptySpace) {

@@ -74,7 +74,9 @@ RadianceField RichField(int channels) {
   MarchOptions march;
   march.max_samples = 61;
   march.min_transmittance = 0.05F;
-  RadianceField field(options, march, ConstantField(1, 0.5F).box, channels, 21);
+  SceneBox box = ConstantField(1, 0.5F).box;
+  box.max -= Eigen::Vector3d(0, 0.1, 0.2);  // its last cells reach beyond it
+  RadianceField field(options, march, box, channels, 21);
   field.density.OutputBias(0) = 2;
   std::mt19937 rng(5);
   std::uniform_real_distribution<float> uniform(-1, 1);
@@ -111,6 +113,13 @@ TEST(DeviceTracer, FindsTheCpusSamplesInFog) {
   ExpectSameTrace(field, RandomRays(field, 100));
 }
 
+TEST(DeviceTracer, StopsInTheDarkAsTheCpuDoes) {
+  RadianceField field = ConstantField(30, 0.4F);
+  field.march.min_transmittance = 0.05F;
+  field.march.max_samples = 64;
+  ExpectSameTrace(field, RandomRays(field, 100));
+}
+
 TEST(DeviceTracer, ManyFeaturesTakeTheLongWay) {
   FieldOptions options = SmallFieldOptions();
   options.geometry = {7, 4, 10, 4, 60};
@@ -138,6 +147,15 @@ TEST(DeviceTracer, SlabOfConstantDensityDimsAsTheExponential) {
   EXPECT_NEAR(tracer.transmittance.data()[0], std::exp(-4 * kSigma), 1e-4);
 }
 
+void ExpectSameCells(const RadianceField& field, const DeviceField<HostSystem>& device) {
+  EXPECT_EQ(Values(device.words), field.occupancy.words());
+  const std::vector<std::uint8_t> leaps = Values(device.leaps);
+  ASSERT_EQ(leaps.size(), field.occupancy.words().size());
+  for (std::size_t block = 0; block < leaps.size(); ++block) {
+    ASSERT_EQ(leaps[block], field.occupancy.leap(block)) << block;
+  }
+}
+
 TEST(DeviceOccupancy, KeepsTheCpusCells) {
   RadianceField field = RichField(1);
   TrainOptions options;
@@ -156,14 +174,64 @@ TEST(DeviceOccupancy, KeepsTheCpusCells) {
   for (std::uint64_t round = 0; round < 4; ++round) {
     cpu.Run(PortableKernels(), options, round, round == 0, &field);
     device.Run(round, round == 0, &device_field);
-    ASSERT_EQ(Values(device_field.words), field.occupancy.words()) << round;
-    const std::vector<std::uint8_t> leaps = Values(device_field.leaps);
-    for (std::size_t block = 0; block < leaps.size(); ++block) {
-      ASSERT_EQ(leaps[block], field.occupancy.leap(block)) << round;
-    }
+    ExpectSameCells(field, device_field);
   }
   EXPECT_GT(field.occupancy.CountOccupied(), std::size_t{0});
   EXPECT_LT(field.occupancy.CountOccupied(), field.occupancy.cell_count() / 2);
+}
+
+// Matter that is no longer there is forgotten cell by cell, as the maximum of each decays.
+TEST(DeviceOccupancy, ForgetsTheCpusCells) {
+  RadianceField field = RichField(1);
+  TrainOptions options;
+  options.occupancy_threshold = 0.15F;
+  options.march.min_step = 0.05F;
+  const std::vector<std::uint64_t> open(field.occupancy.words().size(), ~std::uint64_t{0});
+  field.occupancy.SetWords(open);
+  OccupancyUpdate cpu(open);
+  DeviceOccupancy<HostSystem> device(options, open);
+  DeviceField<HostSystem> device_field;
+  for (std::uint64_t round = 0; round < 6; ++round) {
+    field.density.OutputBias(0) = round < 2 ? 2 : -5;
+    device_field.Load(LayoutOf(field), ArraysOf(field));
+    cpu.Run(PortableKernels(), options, round, round == 0, &field);
+    device.Run(round, round == 0, &device_field);
+    ExpectSameCells(field, device_field);
+  }
+  EXPECT_GT(field.occupancy.CountOccupied(), std::size_t{0});
+  EXPECT_LT(field.occupancy.CountOccupied(), field.occupancy.cell_count());
+}
+
+TEST(DeviceOccupancy, LeapsOverWhatWasFoundEmpty) {
+  RadianceField field = RichField(1);
+  for (std::size_t i = 0; i < field.geometry.parameters().size(); ++i) {
+    field.geometry.parameters()[i] *= 8;
+  }
+  const std::vector<std::uint64_t> open(field.occupancy.words().size(), ~std::uint64_t{0});
+  field.occupancy.SetWords(open);
+  OccupancyUpdate cpu(open);
+  DeviceOccupancy<HostSystem> device(TrainOptions(), open);
+  DeviceField<HostSystem> device_field;
+  device_field.Load(LayoutOf(field), ArraysOf(field));
+  for (std::uint64_t round = 0; round < 3; ++round) {
+    cpu.Run(PortableKernels(), TrainOptions(), round, true, &field);
+    device.Run(round, true, &device_field);
+    ExpectSameCells(field, device_field);
+  }
+  EXPECT_THAT(Values(device_field.leaps), testing::Contains(testing::Gt(0)));
+}
+
+TEST(DeviceOccupancy, LeapsReachAsFarAsTheCpus) {
+  FieldOptions options = SmallFieldOptions();
+  options.occupancy_resolution = 128;
+  RadianceField field(options, {}, ConstantField(1, 0.5F).box, 1, 2);
+  std::vector<std::uint64_t> words(field.occupancy.words().size(), 0);
+  words[0] = 1;
+  words[words.size() / 2 + 5] = 1;
+  field.occupancy.SetWords(words);
+  DeviceField<HostSystem> device_field;
+  device_field.Load(LayoutOf(field), ArraysOf(field));
+  ExpectSameCells(field, device_field);
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+#include "deja_view/base/random.hpp"
 #include "deja_view/nerf/field_renderer.hpp"
 #include "deja_view/nerf/image_metrics.hpp"
 #include "deja_view/nerf/trainer.hpp"
@@ -6,7 +7,9 @@
 #include <cstring>
 #include <memory>
 
+#include "cpu_worker.hpp"
 #include "device_images.cuh"
+#include "device_worker.hpp"
 #include "host_platform.hpp"
 #include "host_system.hpp"
 #include "nerf/wave_room.hpp"
@@ -28,8 +31,9 @@ std::vector<TrainingView> ViewsWithPoints(int count) {
 }
 
 /// What both devices draw for a chunk.
-TEST(DrawRay, DrawsTheCpusRays) {
+void ExpectSameRays(float depth_weight) {
   TrainOptions options = SmallOptions();
+  options.depth_weight = depth_weight;
   options.field.latent_size = 3;
   const std::vector<TrainingView> views = ViewsWithPoints(5);
   RadianceField field(options.field, options.march, RoomBox(), 1, 1);
@@ -78,6 +82,14 @@ TEST(DrawRay, DrawsTheCpusRays) {
       EXPECT_NEAR(rays.data()[i].direction[axis], ray.direction[axis], 1e-6F);
     }
   }
+}
+
+TEST(DrawRay, DrawsTheCpusRays) {
+  ExpectSameRays(0.1F);
+}
+
+TEST(DrawRay, DrawsNoPointsThatWeighNothing) {
+  ExpectSameRays(0);
 }
 
 /// Every option that adds something to a step.
@@ -147,6 +159,26 @@ TEST(DeviceTraining, TakesTheCpusStepsSorted) {
   ExpectSameTraining(options);
 }
 
+// All but few: Adam makes a whole step of a gradient that rounding alone made.
+template <typename Values>
+void ExpectMostlySame(const Values& a, const Values& b) {
+  ASSERT_EQ(a.size(), b.size());
+  std::size_t differing = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    differing += std::abs(a.data()[i] - b.data()[i]) > 1e-4F ? 1 : 0;
+  }
+  EXPECT_LT(static_cast<double>(differing), 2e-3 * static_cast<double>(a.size()));
+}
+
+void ExpectSameParameters(const RadianceField& a, const RadianceField& b) {
+  ExpectMostlySame(a.geometry.parameters(), b.geometry.parameters());
+  ExpectMostlySame(a.appearance.parameters(), b.appearance.parameters());
+  ExpectMostlySame(a.background.parameters(), b.background.parameters());
+  ExpectMostlySame(a.density.parameters(), b.density.parameters());
+  ExpectMostlySame(a.color.parameters(), b.color.parameters());
+  ExpectMostlySame(a.background_color.parameters(), b.background_color.parameters());
+}
+
 // One step from the same field: the gradients themselves, by what Adam makes of them.
 TEST(DeviceTraining, LearnsWhatTheCpuLearnsFromOneStep) {
   TrainOptions options = RichOptions();
@@ -155,28 +187,139 @@ TEST(DeviceTraining, LearnsWhatTheCpuLearnsFromOneStep) {
   Trainer device(options, ViewsWithPoints(3), RoomBox(), kOnHost);
   cpu.Step(0.5);
   device.Step(0.5);
-  const auto share_of_differences = [](const float* a, const float* b, std::size_t count) {
-    std::size_t differing = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      differing += std::abs(a[i] - b[i]) > 1e-4F ? 1 : 0;
-    }
-    return static_cast<double>(differing) / static_cast<double>(count);
-  };
   const RadianceField& a = cpu.field();
   const RadianceField& b = device.field();
-  constexpr double kFew = 2e-3;
-  const auto expect_same = [&](const auto& x, const auto& y) {
-    EXPECT_LT(share_of_differences(x.data(), y.data(), x.size()), kFew);
-  };
-  expect_same(a.geometry.parameters(), b.geometry.parameters());
-  expect_same(a.appearance.parameters(), b.appearance.parameters());
-  expect_same(a.background.parameters(), b.background.parameters());
-  expect_same(a.density.parameters(), b.density.parameters());
-  expect_same(a.color.parameters(), b.color.parameters());
-  expect_same(a.background_color.parameters(), b.background_color.parameters());
+  ExpectSameParameters(a, b);
   // The step did something.
   const Trainer fresh(options, ViewsWithPoints(3), RoomBox());
   EXPECT_GT(LargestDifference(b.geometry.parameters(), fresh.field().geometry.parameters()), 1e-3F);
+}
+
+/// The same field, images in colour and parameters on both devices. The field's box is small, so
+/// that cameras are within and outside, and its entries are large, so that places matter.
+class DeviceWorkerTest : public testing::Test {
+ protected:
+  DeviceWorkerTest()
+      : options_(RichOptions()),
+        views_(MakeColorViews()),
+        field_(MakeField()),
+        on_device_(MakeField()),
+        parameters_(options_, views_, &field_),
+        device_parameters_(options_, views_, &on_device_),
+        occupancy_(field_.occupancy.words()),
+        cpu_(options_, views_, parameters_, &occupancy_, &field_),
+        device_(kOnHost, options_, views_, device_parameters_, occupancy_, &on_device_) {}
+
+  static std::vector<TrainingView> MakeColorViews() {
+    std::vector<TrainingView> views = ViewsWithPoints(5);
+    for (TrainingView& view : views) {
+      cv::Mat color;
+      cv::merge(std::vector<cv::Mat>{view.image, 255 - view.image, view.image / 2}, color);
+      view.image = color;
+    }
+    return views;
+  }
+
+  RadianceField MakeField() const {
+    SceneBox box;
+    box.min = {-0.5, -0.6, 0.58};
+    box.max = {1.5, 0.7, 1.4};
+    RadianceField field(options_.field, options_.march, box, 3, 7);
+    Random random(3);
+    for (FeatureGrid* grid : {&field.geometry, &field.appearance, &field.background}) {
+      for (std::size_t i = 0; i < grid->parameters().size(); ++i) {
+        grid->parameters()[i] = random.UniformFloat() - 0.5F;
+      }
+    }
+    field.vignetting.k = {-0.5F, 0.1F, 0.2F};
+    for (int v = 0; v < 5; ++v) {
+      const auto u = static_cast<float>(v);
+      field.exposures.push_back(
+          {std::to_string(v), 0, 1 + 0.05F * u, 0.02F * u, {0.3F * (u - 2), 0.1F * (2 - u)}});
+    }
+    field.occupancy.SetWords(
+        std::vector<std::uint64_t>(field.occupancy.words().size(), ~std::uint64_t{0}));
+    return field;
+  }
+
+  static StepPlan Plan() {
+    StepPlan plan;
+    plan.step = 9;
+    plan.chunks = 3;
+    plan.trace = {SmallOptions().march, 1.5F};
+    plan.depth_share = 0.3F;
+    return plan;
+  }
+
+  TrainOptions options_;
+  std::vector<TrainingView> views_;
+  RadianceField field_, on_device_;
+  ImageParameters parameters_, device_parameters_;
+  OccupancyUpdate occupancy_;
+  CpuWorker cpu_;
+  DeviceWorker device_;
+};
+
+/// Within 1 % of the largest.
+void ExpectSameNumbers(const std::vector<float>& expected, const std::vector<float>& found) {
+  ASSERT_EQ(found.size(), expected.size());
+  float largest = 0;
+  for (const float value : expected) {
+    largest = std::max(largest, std::abs(value));
+  }
+  EXPECT_GT(largest, 0);
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    ASSERT_NEAR(found[i], expected[i], 0.01F * largest) << i;
+  }
+}
+
+/// Numbers of all rays, chunk after chunk.
+struct RayNumbers {
+  explicit RayNumbers(const std::vector<ImageGradient>& chunks) {
+    for (const ImageGradient& chunk : chunks) {
+      for (std::size_t ray = 0; ray < chunk.targets.size(); ++ray) {
+        off_axis.push_back(chunk.targets[ray].off_axis);
+        gain.push_back(chunk.d_exposure[ray].gain);
+        bias.push_back(chunk.d_exposure[ray].bias);
+        shift.insert(shift.end(), chunk.d_pose[ray].begin(), chunk.d_pose[ray].begin() + 3);
+        turn.insert(turn.end(), chunk.d_pose[ray].begin() + 3, chunk.d_pose[ray].end());
+      }
+      latent.insert(latent.end(), chunk.d_latent.begin(), chunk.d_latent.end());
+    }
+  }
+
+  std::vector<float> off_axis, gain, bias, latent, shift, turn;
+};
+
+TEST_F(DeviceWorkerTest, RaysLeaveTheCpusGradientsForTheirImages) {
+  std::vector<ImageGradient> of_cpu;
+  std::vector<ImageGradient> of_device;
+  const StepSums expected = cpu_.RunRays(Plan(), &of_cpu);
+  const StepSums found = device_.RunRays(Plan(), &of_device);
+  EXPECT_EQ(found.samples, expected.samples);
+  EXPECT_EQ(found.weighted, expected.weighted);
+  EXPECT_EQ(found.color_values, expected.color_values);
+  EXPECT_NEAR(found.squared_error, expected.squared_error, 1e-4 * expected.squared_error);
+  const RayNumbers a(of_cpu);
+  const RayNumbers b(of_device);
+  ExpectSameNumbers(a.off_axis, b.off_axis);
+  ExpectSameNumbers(a.gain, b.gain);
+  ExpectSameNumbers(a.bias, b.bias);
+  ExpectSameNumbers(a.latent, b.latent);
+  ExpectSameNumbers(a.shift, b.shift);
+  ExpectSameNumbers(a.turn, b.turn);
+}
+
+TEST_F(DeviceWorkerTest, FieldsTakeTheSameStepsAtAnyRate) {
+  for (const float rate : {0.25F, 0.5F}) {
+    std::vector<ImageGradient> unused;
+    cpu_.RunRays(Plan(), &unused);
+    device_.RunRays(Plan(), &unused);
+    cpu_.UpdateField(rate);
+    device_.UpdateField(rate);
+    device_.Download();
+    ExpectSameParameters(field_, on_device_);
+  }
 }
 
 TEST(DeviceTraining, ReachesTheCpusPsnr) {
