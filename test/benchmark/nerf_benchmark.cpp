@@ -1,4 +1,5 @@
 // Speed of the radiance field's kernels and of whole training steps.
+#include "deja_view/nerf/kernels.hpp"
 #include "deja_view/nerf/trainer.hpp"
 
 #include <array>
