@@ -72,6 +72,8 @@ OdometryFrontEnd::OdometryFrontEnd(const FrontEndSetup& setup,
       T_B_C_(setup.T_B_C),
       on_keyframe_(std::move(on_keyframe)),
       on_problem_(std::move(on_problem)),
+      gravity_(setup.gravity),
+      level_(setup.gravity),
       tracker_(setup.options.tracker) {
   DEJA_VIEW_CHECK(camera_ != nullptr && on_keyframe_);
 }
@@ -120,6 +122,8 @@ void OdometryFrontEnd::AddPose(std::int64_t stamp_ns, const Rigid3& T_W_B) {
 void OdometryFrontEnd::Restart(const StampedPose& first) {
   Tell(fmt::format("the odometry's stamps go back to {} ns: it started anew", first.stamp_ns));
   HandOver(true);
+  GiveUpUnlevelled();
+  level_ = WorldLevel(gravity_);
   const std::int64_t newest_ns = poses_.back().stamp_ns;
   waiting_.erase(std::remove_if(waiting_.begin(),
                                 waiting_.end(),
@@ -209,6 +213,7 @@ void OdometryFrontEnd::Follow(const WaitingImage& waiting, const Rigid3& T_W_B) 
   frame.T_W_B = T_W_B;
   frame.corners = tracker_.Add(image);
   const Rigid3 T_W_C = T_W_B * T_B_C_;
+  level_.Add(T_W_C);
   for (const cv::Point2f& pixel : frame.corners.pixels) {
     frame.rays_W.push_back(T_W_C.q * camera_->Unproject({pixel.x, pixel.y}));
   }
@@ -248,11 +253,26 @@ void OdometryFrontEnd::HandOver(bool is_end) {
       continue;
     }
     frame.is_handed_over = true;
-    Keyframe keyframe = MakeKeyframe(frame);
+    unlevelled_.push_back(MakeKeyframe(frame));
+  }
+  HandOverLevel();
+}
+
+void OdometryFrontEnd::HandOverLevel() {
+  const auto T_L_W = level_.T_L_W();
+  if (!T_L_W) {
+    return;
+  }
+  for (Keyframe& keyframe : unlevelled_) {
+    keyframe.T_W_B = *T_L_W * keyframe.T_W_B;
+    for (TrackedPoint& point : keyframe.points) {
+      point.p_W = *T_L_W * point.p_W;
+    }
     ++counts_.keyframes;
     counts_.points += static_cast<std::int64_t>(keyframe.points.size());
     on_keyframe_(std::move(keyframe));
   }
+  unlevelled_.clear();
 }
 
 OdometryFrontEnd::Keyframe OdometryFrontEnd::MakeKeyframe(const Frame& frame) const {
@@ -299,9 +319,18 @@ void OdometryFrontEnd::Prune() {
 
 void OdometryFrontEnd::Flush() {
   HandOver(true);
+  GiveUpUnlevelled();
   counts_.without_pose += static_cast<std::int64_t>(waiting_.size());
   waiting_.clear();
   waiting_bytes_ = 0;
+}
+
+void OdometryFrontEnd::GiveUpUnlevelled() {
+  if (!unlevelled_.empty()) {
+    Tell(fmt::format("{} keyframes: the camera turned too little to tell which way is up",
+                     unlevelled_.size()));
+    unlevelled_.clear();
+  }
 }
 
 void OdometryFrontEnd::Tell(const std::string& what) const {

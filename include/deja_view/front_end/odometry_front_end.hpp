@@ -7,6 +7,7 @@
 #include "deja_view/host/image_source.hpp"
 #include "deja_view/host/keyframe_input.hpp"
 #include "deja_view/host/odometry_input.hpp"
+#include "deja_view/host/world_level.hpp"
 
 #include <cstdint>
 #include <deque>
@@ -49,6 +50,7 @@ struct FrontEndSetup {
   OdometryFrontEndOptions options;
   std::shared_ptr<const Camera> camera;
   Rigid3 T_B_C;
+  GravityPolicy gravity = GravityPolicy::kGiven;
 };
 
 /// What came and what became of it.
@@ -69,13 +71,16 @@ struct FrontEndCounts {
 /// images and the poses, each in their own order, and not on how the two interleave (as long as
 /// nothing overflows). Poses whose stamps go back twice in a row are a new start.
 ///
+/// With GravityPolicy::kEstimate keyframes wait until the world can be levelled, and are in the
+/// level world.
+///
 /// Images are followed only while the poses are known; the work is done in whichever Add completes
 /// it. Not thread-safe.
 class OdometryFrontEnd {
  public:
   struct Keyframe {
     std::int64_t stamp_ns = 0;
-    Rigid3 T_W_B;                      ///< interpolated to the image's stamp
+    Rigid3 T_W_B;                      ///< interpolated to the image's stamp; W is level
     std::vector<TrackedPoint> points;  ///< triangulated; pixels are the distorted image's
   };
   using KeyframeCallback = std::function<void(Keyframe)>;
@@ -86,7 +91,8 @@ class OdometryFrontEnd {
                    KeyframeCallback on_keyframe,
                    ProblemCallback on_problem);
 
-  /// `bytes` is what the source holds in memory.
+  /// `bytes` is what the source holds in memory. This and AddPose throw UnusableFlight for a world
+  /// that is not level.
   void AddImage(std::int64_t stamp_ns, ImageSource image, std::size_t bytes);
   void AddPose(std::int64_t stamp_ns, const Rigid3& T_W_B);
 
@@ -94,6 +100,9 @@ class OdometryFrontEnd {
   void Flush();
 
   const FrontEndCounts& counts() const { return counts_; }
+
+  /// From the odometry's world to that of the keyframes; the identity until it is known.
+  Rigid3 T_L_W() const { return level_.T_L_W().value_or(Rigid3::Identity()); }
 
  private:
   struct Frame {
@@ -111,6 +120,8 @@ class OdometryFrontEnd {
   void Follow(const WaitingImage& waiting, const Rigid3& T_W_B);
   bool IsKeyframe(const Frame& frame) const;
   void HandOver(bool is_end);
+  void HandOverLevel();
+  void GiveUpUnlevelled();
   Keyframe MakeKeyframe(const Frame& frame) const;
   void Prune();
   void Tell(const std::string& what) const;
@@ -122,6 +133,9 @@ class OdometryFrontEnd {
   ProblemCallback on_problem_;
   FrontEndCounts counts_;
 
+  GravityPolicy gravity_;
+  WorldLevel level_;
+  std::vector<Keyframe> unlevelled_;  ///< that wait until the level is known
   CornerTracker tracker_;
   std::deque<WaitingImage> waiting_;  ///< by stamp
   std::size_t waiting_bytes_ = 0;

@@ -4,6 +4,7 @@
 #include "deja_view/ros/bag/bag_reader.hpp"
 #include "deja_view/ros/bag/view_bag.hpp"
 #include "deja_view/ros/messages/any_pose.hpp"
+#include "deja_view/ros/messages/tf_poses.hpp"
 #include "deja_view/ros/messages/virtual_frame_conversion.hpp"
 
 #include <map>
@@ -61,6 +62,9 @@ class Replay {
       front_end_->Flush();
       report_.front_end = front_end_->counts();
     }
+    if (tf_ && report_.front_end.poses == 0) {
+      Tell(tf_->Describe());
+    }
     assembler_.Flush();
     report_.assembler = assembler_.counts();
     return report_;
@@ -90,16 +94,38 @@ class Replay {
   }
 
   void AddPoseHandler(const BagReader& bag) {
+    if (const auto frames = ParseTfFrames(topics_.odometry)) {
+      AddTfHandlers(bag, *frames);
+      return;
+    }
     bag.RequireTopic(topics_.odometry, PoseMessageTypes());
     handlers_[topics_.odometry] = [this](const rosbag::MessageInstance& instance) {
-      const auto pose = FromAnyPose(instance, topics_.odometry);
-      if (pose) {
-        front_end_->AddPose(pose->stamp_ns, pose->pose);
-      }
-      if (pose && callbacks_.on_odometry) {
-        callbacks_.on_odometry(*pose);
-      }
+      AddPose(FromAnyPose(instance, topics_.odometry));
     };
+  }
+
+  void AddTfHandlers(const BagReader& bag, const TfFrames& frames) {
+    tf_.emplace(frames);
+    const std::vector<std::string> types = {"tf2_msgs/TFMessage", "tf/tfMessage"};
+    bag.RequireTopic(TfPoses::kTopic, types);
+    handlers_[TfPoses::kTopic] = [this](const rosbag::MessageInstance& instance) {
+      AddPose(tf_->Add(*Instantiate<tf2_msgs::TFMessage>(instance)));
+    };
+    if (bag.HasTopic(TfPoses::kStaticTopic)) {
+      bag.RequireTopic(TfPoses::kStaticTopic, types);
+      handlers_[TfPoses::kStaticTopic] = [this](const rosbag::MessageInstance& instance) {
+        tf_->AddStatic(*Instantiate<tf2_msgs::TFMessage>(instance));
+      };
+    }
+  }
+
+  void AddPose(const std::optional<StampedPose>& pose) {
+    if (pose) {
+      front_end_->AddPose(pose->stamp_ns, pose->pose);
+    }
+    if (pose && callbacks_.on_odometry) {
+      callbacks_.on_odometry(*pose);
+    }
   }
 
   void AddHostHandlers(const BagReader& bag) {
@@ -218,6 +244,7 @@ class Replay {
   std::map<std::string, Handler> handlers_;
   KeyframeAssembler assembler_;
   std::optional<OdometryFrontEnd> front_end_;
+  std::optional<TfPoses> tf_;
 };
 
 }  // namespace

@@ -249,5 +249,16 @@ TEST_F(OdometryFrontEndTest, NamesBadOptions) {
   }
 }
 
+TEST_F(OdometryFrontEndTest, GivesUpKeyframesOfAWorldThatCannotBeLevelled) {
+  setup_.gravity = GravityPolicy::kEstimate;
+  OdometryFrontEnd front_end = Make();
+  Fly(&front_end, 0, 60);
+  front_end.Flush();
+  EXPECT_TRUE(keyframes_.empty());
+  EXPECT_EQ(front_end.counts().keyframes, 0);
+  ASSERT_EQ(problems_.size(), 1U);
+  EXPECT_NE(problems_[0].find("turned too little"), std::string::npos) << problems_[0];
+}
+
 }  // namespace
 }  // namespace deja_view
