@@ -1,45 +1,19 @@
 #include "deja_view/ros/bag/bag_poses.hpp"
 
 #include "deja_view/base/check.hpp"
-#include "deja_view/ros/messages/any_pose.hpp"
-#include "deja_view/ros/messages/tf_poses.hpp"
-
-#include <functional>
+#include "deja_view/ros/bag/odometry_topic.hpp"
 
 namespace deja_view {
-namespace {
-
-/// Calls use(pose) for each pose of the topic, or of the two frames that stand for it.
-void ReadPoses(const BagReader& bag,
-               const std::string& topic,
-               const std::function<void(const StampedPose&)>& use) {
-  const auto frames = ParseTfFrames(topic);
-  if (!frames) {
-    bag.RequireTopic(topic, PoseMessageTypes());
-    bag.Read({topic}, [&](const rosbag::MessageInstance& instance) {
-      if (const auto pose = FromAnyPose(instance, topic)) {
-        use(*pose);
-      }
-    });
-    return;
-  }
-  TfPoses tf(*frames);
-  bag.RequireTopic(TfPoses::kTopic, {"tf2_msgs/TFMessage", "tf/tfMessage"});
-  bag.Read({TfPoses::kTopic, TfPoses::kStaticTopic}, [&](const rosbag::MessageInstance& instance) {
-    const auto message = Instantiate<tf2_msgs::TFMessage>(instance);
-    if (instance.getTopic() == TfPoses::kStaticTopic) {
-      tf.AddStatic(*message);
-    } else if (const auto pose = tf.Add(*message)) {
-      use(*pose);
-    }
-  });
-}
-
-}  // namespace
 
 Trajectory ReadBagPoses(const BagReader& bag, const std::string& topic) {
   Trajectory trajectory;
-  ReadPoses(bag, topic, [&](const StampedPose& stamped) {
+  OdometryTopic odometry(bag, topic);
+  bag.Read(odometry.names(), [&](const rosbag::MessageInstance& instance) {
+    const auto read = odometry.Read(instance);
+    if (!read) {
+      return;
+    }
+    const StampedPose& stamped = *read;
     const std::int64_t last_ns = trajectory.empty() ? -1 : trajectory.stamps_ns.back();
     if (stamped.stamp_ns < last_ns) {
       ThrowInputError("{}: topic '{}': stamp {} ns comes after {} ns: expected poses of one run",

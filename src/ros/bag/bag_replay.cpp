@@ -2,9 +2,8 @@
 
 #include "deja_view/base/check.hpp"
 #include "deja_view/ros/bag/bag_reader.hpp"
+#include "deja_view/ros/bag/odometry_topic.hpp"
 #include "deja_view/ros/bag/view_bag.hpp"
-#include "deja_view/ros/messages/any_pose.hpp"
-#include "deja_view/ros/messages/tf_poses.hpp"
 #include "deja_view/ros/messages/virtual_frame_conversion.hpp"
 
 #include <map>
@@ -62,8 +61,8 @@ class Replay {
       front_end_->Flush();
       report_.front_end = front_end_->counts();
     }
-    if (tf_ && report_.front_end.poses == 0) {
-      Tell(tf_->Describe());
+    if (const auto missing = odometry_ ? odometry_->Missing() : std::nullopt) {
+      Tell(*missing);
     }
     assembler_.Flush();
     report_.assembler = assembler_.counts();
@@ -94,37 +93,17 @@ class Replay {
   }
 
   void AddPoseHandler(const BagReader& bag) {
-    if (const auto frames = ParseTfFrames(topics_.odometry)) {
-      AddTfHandlers(bag, *frames);
-      return;
-    }
-    bag.RequireTopic(topics_.odometry, PoseMessageTypes());
-    handlers_[topics_.odometry] = [this](const rosbag::MessageInstance& instance) {
-      AddPose(FromAnyPose(instance, topics_.odometry));
-    };
-  }
-
-  void AddTfHandlers(const BagReader& bag, const TfFrames& frames) {
-    tf_.emplace(frames);
-    const std::vector<std::string> types = {"tf2_msgs/TFMessage", "tf/tfMessage"};
-    bag.RequireTopic(TfPoses::kTopic, types);
-    handlers_[TfPoses::kTopic] = [this](const rosbag::MessageInstance& instance) {
-      AddPose(tf_->Add(*Instantiate<tf2_msgs::TFMessage>(instance)));
-    };
-    if (bag.HasTopic(TfPoses::kStaticTopic)) {
-      bag.RequireTopic(TfPoses::kStaticTopic, types);
-      handlers_[TfPoses::kStaticTopic] = [this](const rosbag::MessageInstance& instance) {
-        tf_->AddStatic(*Instantiate<tf2_msgs::TFMessage>(instance));
+    odometry_.emplace(bag, topics_.odometry);
+    for (const std::string& name : odometry_->names()) {
+      handlers_[name] = [this](const rosbag::MessageInstance& instance) {
+        const auto pose = odometry_->Read(instance);
+        if (pose) {
+          front_end_->AddPose(pose->stamp_ns, pose->pose);
+        }
+        if (pose && callbacks_.on_odometry) {
+          callbacks_.on_odometry(*pose);
+        }
       };
-    }
-  }
-
-  void AddPose(const std::optional<StampedPose>& pose) {
-    if (pose) {
-      front_end_->AddPose(pose->stamp_ns, pose->pose);
-    }
-    if (pose && callbacks_.on_odometry) {
-      callbacks_.on_odometry(*pose);
     }
   }
 
@@ -158,28 +137,14 @@ class Replay {
   }
 
   void AddImageHandler(const BagReader& bag) {
-    bag.RequireTopic(topics_.image, {"sensor_msgs/Image", "sensor_msgs/CompressedImage"});
-    if (bag.TypeOf(topics_.image) == "sensor_msgs/Image") {
-      handlers_[topics_.image] = [this](const rosbag::MessageInstance& instance) {
-        const auto message = Instantiate<sensor_msgs::Image>(instance);
-        AddImage(*message, FromImage(message, instance.getTopic(), callbacks_.image_size));
-      };
-    } else {
-      handlers_[topics_.image] = [this](const rosbag::MessageInstance& instance) {
-        const auto message = Instantiate<sensor_msgs::CompressedImage>(instance);
-        AddImage(*message,
-                 FromCompressedImage(message, instance.getTopic(), callbacks_.image_size));
-      };
-    }
-  }
-
-  template <typename Message>
-  void AddImage(const Message& message, const ImageSource& image) {
-    const std::int64_t stamp_ns = ToNanoseconds(message.header.stamp);
-    assembler_.AddImage(stamp_ns, image, message.data.size());
-    if (front_end_) {
-      front_end_->AddImage(stamp_ns, image, message.data.size());
-    }
+    RequireImages(bag, topics_.image);
+    handlers_[topics_.image] = [this](const rosbag::MessageInstance& instance) {
+      const WaitingImage image = ReadImage(instance, callbacks_.image_size);
+      assembler_.AddImage(image.stamp_ns, image.source, image.bytes);
+      if (front_end_) {
+        front_end_->AddImage(image.stamp_ns, image.source, image.bytes);
+      }
+    };
   }
 
   void Require(const BagReader& bag,
@@ -244,7 +209,7 @@ class Replay {
   std::map<std::string, Handler> handlers_;
   KeyframeAssembler assembler_;
   std::optional<OdometryFrontEnd> front_end_;
-  std::optional<TfPoses> tf_;
+  std::optional<OdometryTopic> odometry_;
 };
 
 }  // namespace

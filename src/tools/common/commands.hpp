@@ -14,6 +14,7 @@ void AddApeCommand(CLI::App& app, Command* command);
 void AddBundleCommand(CLI::App& app, Command* command);
 void AddCheckCommand(CLI::App& app, Command* command);
 void AddEvaluateCommand(CLI::App& app, Command* command);
+void AddKeyframesCommand(CLI::App& app, Command* command);
 void AddMapCommand(CLI::App& app, Command* command);
 void AddNerfCommand(CLI::App& app, Command* command);
 void AddReplayCommand(CLI::App& app, Command* command);
