@@ -319,6 +319,35 @@ TEST_F(StereoFrontEndTest, GoesOnWithoutAnImageOfAnotherSize) {
   EXPECT_NE(problems_[0].find("12 x 10 px"), std::string::npos) << problems_[0];
 }
 
+TEST_F(OdometryFrontEndTest, LevelsPosesAndPointsOfKeyframesThatWaited) {
+  const auto fly = [this](const Rigid3& T_N_W, GravityPolicy gravity) {
+    setup_.gravity = gravity;
+    OdometryFrontEnd front_end = Make();
+    for (int i = 0; i < 200; ++i) {
+      Rigid3 turn;  // once the wall has been passed, so that the level is told
+      turn.q = Eigen::AngleAxisd(i < 100 ? 0 : 2 * std::sin(0.1 * i), Eigen::Vector3d::UnitZ());
+      AddImage(&front_end, i);
+      front_end.AddPose(Stamp(i), T_N_W * turn * Pose(i));
+    }
+    front_end.Flush();
+    return keyframes_;
+  };
+  const auto expected = fly(Rigid3::Identity(), GravityPolicy::kGiven);
+  Rigid3 on_its_side;
+  on_its_side.q = Eigen::AngleAxisd(1.5, Eigen::Vector3d(0.6, 0.8, 0));
+  const auto found = fly(on_its_side, GravityPolicy::kEstimate);
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t k = 0; k < 20; ++k) {
+    const Rigid3 T_B_W = found[k].T_W_B.Inverse();
+    EXPECT_NEAR((found[k].T_W_B.q * Eigen::Vector3d::UnitZ()).z(), 1, 1e-6);
+    ASSERT_EQ(found[k].points.size(), expected[k].points.size());
+    for (std::size_t i = 0; i < found[k].points.size(); ++i) {
+      const Eigen::Vector3d p_B = expected[k].T_W_B.Inverse() * expected[k].points[i].p_W;
+      EXPECT_LT((T_B_W * found[k].points[i].p_W - p_B).norm(), 1e-6);
+    }
+  }
+}
+
 TEST_F(OdometryFrontEndTest, GivesUpKeyframesOfAWorldThatCannotBeLevelled) {
   setup_.gravity = GravityPolicy::kEstimate;
   OdometryFrontEnd front_end = Make();
