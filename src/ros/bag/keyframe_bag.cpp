@@ -29,9 +29,9 @@ class KeyframeBag {
         front_end_(
             job.front_end,
             [this](const OdometryFrontEnd::Keyframe& keyframe) { Write(keyframe); },
-            [this](const std::string& what) { Tell(what); }) {
+            [this](const std::string& what) { Tell(what); }),
+        names_(odometry_.names()) {
     RequireImages(reader_, job.image_topic);
-    names_ = odometry_.names();
     names_.push_back(job.image_topic);
     if (job.front_end.second) {
       RequireImages(reader_, job.second_image_topic);
