@@ -21,7 +21,7 @@ find_package(catkin REQUIRED COMPONENTS cpp_common rosbag_storage roscpp_seriali
 set(DEJA_VIEW_BAG_LIBRARIES ${catkin_LIBRARIES})
 find_package(catkin REQUIRED COMPONENTS
   diagnostic_msgs diagnostic_updater geometry_msgs message_generation nav_msgs rosbag_storage roscpp
-  sensor_msgs std_msgs tf2_ros topic_tools visualization_msgs)
+  sensor_msgs std_msgs tf2 tf2_msgs tf2_ros topic_tools visualization_msgs)
 
 add_message_files(DIRECTORY msg FILES LoopConstraint.msg VirtualFrame.msg)
 add_service_files(DIRECTORY srv FILES NamedMap.srv)

@@ -10,7 +10,7 @@ import numpy as np
 IMAGE_SUFFIXES = (".jpg", ".jpeg", ".png", ".pgm", ".bmp", ".tif", ".tiff")
 FIRST_STAMP_NS = 10**12  # of images named by number: ROS takes a stamp of 0 for none
 
-Camera = namedtuple("Camera", "path K distortion size T_B_C")  # size: (width, height)
+Camera = namedtuple("Camera", "path size T_B_C")  # size: (width, height)
 Frame = namedtuple("Frame", "stamp path T_W_B")  # stamp in ns
 
 
@@ -71,37 +71,40 @@ def yaw_rotation(angle):
 
 
 def read_camera(path):
-    """A pinhole camera in VINS-Mono's layout; without extrinsics the camera is the body."""
+    """What the script needs of a camera in VINS-Mono's layout; without extrinsics the camera is the body."""
     if not os.path.isfile(path):
         raise UserError(f"{path}: no such camera file")
     try:
         file = cv2.FileStorage(path, cv2.FILE_STORAGE_READ)
     except (cv2.error, SystemError) as error:
         raise UserError(f"{path}: expected YAML that starts with %YAML:1.0") from error
-    model = file.getNode("model_type").string() or "PINHOLE"
-    if model.upper() != "PINHOLE":
-        raise UserError(f"{path}: model_type {model}: expected PINHOLE")
 
-    def number(group, key, default=None):
-        parent = file.getNode(group) if group else file.root()
-        node = None if parent.empty() else parent.getNode(key)
-        if node is None or node.empty() or not (node.isReal() or node.isInt()):
-            if default is None:
-                raise UserError(f"{path}: {group + '.' if group else ''}{key}: expected a number")
-            return default
+    def number(key):
+        node = file.getNode(key)
+        if node.empty() or not (node.isReal() or node.isInt()):
+            raise UserError(f"{path}: {key}: expected a number")
         return node.real()
 
-    fx, fy, cx, cy = (number("projection_parameters", k) for k in ("fx", "fy", "cx", "cy"))
-    distortion = [number("distortion_parameters", k, 0.0) for k in ("k1", "k2", "p1", "p2")]
     T_B_C = np.eye(4)
     rotation, translation = (file.getNode(f"extrinsic{k}").mat() for k in ("Rotation", "Translation"))
     if rotation is not None and translation is not None:
         if rotation.shape != (3, 3) or translation.size != 3:
             raise UserError(f"{path}: extrinsicRotation, extrinsicTranslation: expected 3 x 3 and 3 x 1")
         T_B_C[:3, :3], T_B_C[:3, 3] = nearest_rotation(rotation), translation.ravel()
-    size = int(number("", "image_width")), int(number("", "image_height"))
-    K = np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1]])
-    return Camera(path, K, np.array(distortion), size, T_B_C)
+    size = int(number("image_width")), int(number("image_height"))
+    return Camera(path, size, T_B_C)
+
+
+def read_grey(path, camera):
+    image = cv2.imread(path, cv2.IMREAD_GRAYSCALE)
+    if image is None:
+        raise UserError(f"{path}: can't be decoded")
+    if image.shape[::-1] != camera.size:
+        raise UserError(
+            f"{path}: {image.shape[1]} x {image.shape[0]} px: expected {camera.size[0]} x {camera.size[1]}"
+            f" as in {camera.path}"
+        )
+    return image
 
 
 def image_stamp(name, rate):

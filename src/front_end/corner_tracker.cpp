@@ -18,6 +18,58 @@ constexpr float kBorder = 1;  // [px] of the image where nothing is followed
 
 const cv::TermCriteria kUntil(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 20, 0.02);
 
+using Pyramid = std::vector<cv::Mat>;
+
+Pyramid MakePyramid(const cv::Mat& image) {
+  DEJA_VIEW_CHECK(image.type() == CV_8UC1);
+  Pyramid pyramid;
+  cv::buildOpticalFlowPyramid(image, pyramid, {kWindow, kWindow}, kLevels);
+  return pyramid;
+}
+
+/// Where pixels of an image are in another one; nothing for those that are not found there and, to
+/// `max_round_trip_px`, back. Those of the image before are near; a second camera's may not be.
+std::vector<std::optional<cv::Point2f>> FollowThereAndBack(const Pyramid& from,
+                                                           const Pyramid& to,
+                                                           const std::vector<cv::Point2f>& pixels,
+                                                           double max_round_trip_px,
+                                                           bool is_near) {
+  std::vector<cv::Point2f> there;
+  std::vector<cv::Point2f> back = pixels;
+  std::vector<std::uint8_t> is_found;
+  std::vector<std::uint8_t> is_found_back;
+  std::vector<float> error;
+  const cv::Size window(kWindow, kWindow);
+  cv::calcOpticalFlowPyrLK(from, to, pixels, there, is_found, error, window, kLevels, kUntil);
+  if (is_near) {
+    // The way back starts from where it should end, so that the image alone is enough.
+    cv::calcOpticalFlowPyrLK(to,
+                             from,
+                             there,
+                             back,
+                             is_found_back,
+                             error,
+                             window,
+                             0,
+                             kUntil,
+                             cv::OPTFLOW_USE_INITIAL_FLOW);
+  } else {
+    cv::calcOpticalFlowPyrLK(to, from, there, back, is_found_back, error, window, kLevels, kUntil);
+  }
+  // The pyramid's images are parts of wider ones.
+  const float right = static_cast<float>(to.front().cols - 1) - kBorder;
+  const float bottom = static_cast<float>(to.front().rows - 1) - kBorder;
+  std::vector<std::optional<cv::Point2f>> found(pixels.size());
+  for (std::size_t i = 0; i < there.size(); ++i) {
+    const cv::Point2f& p = there[i];
+    if (is_found[i] != 0 && is_found_back[i] != 0 && p.x > kBorder && p.y > kBorder &&
+        p.x < right && p.y < bottom && cv::norm(back[i] - pixels[i]) <= max_round_trip_px) {
+      found[i] = p;
+    }
+  }
+  return found;
+}
+
 }  // namespace
 
 std::vector<std::string> CornerTrackerOptions::Validate() const {
@@ -35,9 +87,7 @@ CornerTracker::CornerTracker(const CornerTrackerOptions& options) : options_(opt
 }
 
 const TrackedCorners& CornerTracker::Add(const cv::Mat& image) {
-  DEJA_VIEW_CHECK(image.type() == CV_8UC1);
-  std::vector<cv::Mat> pyramid;
-  cv::buildOpticalFlowPyramid(image, pyramid, {kWindow, kWindow}, kLevels);
+  Pyramid pyramid = MakePyramid(image);
   if (!corners_.ids.empty()) {
     DEJA_VIEW_CHECK(pyramid.front().size() == pyramid_.front().size());
     Follow(pyramid);
@@ -50,37 +100,22 @@ const TrackedCorners& CornerTracker::Add(const cv::Mat& image) {
 }
 
 void CornerTracker::Follow(const std::vector<cv::Mat>& pyramid) {
-  std::vector<cv::Point2f> there;
-  std::vector<cv::Point2f> back = corners_.pixels;
-  std::vector<std::uint8_t> is_found;
-  std::vector<std::uint8_t> is_found_back;
-  std::vector<float> error;
-  const cv::Size window(kWindow, kWindow);
-  cv::calcOpticalFlowPyrLK(
-      pyramid_, pyramid, corners_.pixels, there, is_found, error, window, kLevels, kUntil);
-  // The way back starts from where it should end, so that the image alone is enough.
-  cv::calcOpticalFlowPyrLK(pyramid,
-                           pyramid_,
-                           there,
-                           back,
-                           is_found_back,
-                           error,
-                           window,
-                           0,
-                           kUntil,
-                           cv::OPTFLOW_USE_INITIAL_FLOW);
-  // The pyramid's images are parts of wider ones.
-  const float right = static_cast<float>(pyramid.front().cols - 1) - kBorder;
-  const float bottom = static_cast<float>(pyramid.front().rows - 1) - kBorder;
-  std::vector<bool> is_kept(there.size());
-  for (std::size_t i = 0; i < there.size(); ++i) {
-    const cv::Point2f& p = there[i];
-    is_kept[i] = is_found[i] != 0 && is_found_back[i] != 0 && p.x > kBorder && p.y > kBorder &&
-                 p.x < right && p.y < bottom &&
-                 cv::norm(back[i] - corners_.pixels[i]) <= options_.max_round_trip_px;
+  const auto found =
+      FollowThereAndBack(pyramid_, pyramid, corners_.pixels, options_.max_round_trip_px, true);
+  std::vector<bool> is_kept(found.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    is_kept[i] = found[i].has_value();
+    corners_.pixels[i] = found[i].value_or(cv::Point2f());
   }
-  corners_.pixels = std::move(there);
   Keep(is_kept);
+}
+
+std::vector<std::optional<cv::Point2f>> CornerTracker::FindIn(const cv::Mat& image) const {
+  if (corners_.ids.empty()) {
+    return {};
+  }
+  return FollowThereAndBack(
+      pyramid_, MakePyramid(image), corners_.pixels, options_.max_round_trip_px, false);
 }
 
 void CornerTracker::Keep(const std::vector<bool>& is_kept) {

@@ -14,6 +14,9 @@ namespace {
 // Stamps that odometries compute as double seconds are rounded by up to this.
 constexpr std::int64_t kStampToleranceNs = 200;
 
+// Between the two images of a pair.
+constexpr std::int64_t kPairToleranceNs = 1'000'000;
+
 // Poses that go back by less are out of order; images of the time before are waited for no more.
 constexpr std::int64_t kPoseMemoryNs = 10'000'000'000;
 
@@ -70,28 +73,34 @@ OdometryFrontEnd::OdometryFrontEnd(const FrontEndSetup& setup,
     : options_(Checked(setup).options),
       camera_(setup.camera),
       T_B_C_(setup.T_B_C),
+      second_(setup.second),
       on_keyframe_(std::move(on_keyframe)),
       on_problem_(std::move(on_problem)),
+      gravity_(setup.gravity),
+      level_(setup.gravity),
       tracker_(setup.options.tracker) {
   DEJA_VIEW_CHECK(camera_ != nullptr && on_keyframe_);
 }
 
 void OdometryFrontEnd::AddImage(std::int64_t stamp_ns, ImageSource image, std::size_t bytes) {
   ++counts_.images;
-  // By stamp, so that a stray one that lies in the future holds up nothing.
-  const auto later = std::upper_bound(
-      waiting_.begin(), waiting_.end(), stamp_ns, [](std::int64_t stamp, const WaitingImage& w) {
-        return stamp < w.stamp_ns;
-      });
-  waiting_.insert(later, {stamp_ns, std::move(image), bytes});
-  waiting_bytes_ += bytes;
-  while (static_cast<double>(waiting_bytes_) > 1e6 * options_.image_memory_mb) {
+  Wait({stamp_ns, std::move(image), bytes}, &waiting_);
+}
+
+void OdometryFrontEnd::AddSecondImage(std::int64_t stamp_ns, ImageSource image, std::size_t bytes) {
+  DEJA_VIEW_CHECK(second_.has_value());
+  Wait({stamp_ns, std::move(image), bytes}, &waiting_second_);
+}
+
+// By stamp, so that a stray one that lies in the future holds up nothing.
+void OdometryFrontEnd::Wait(WaitingImage image, ImageQueue* queue) {
+  queue->Add(std::move(image));
+  while (static_cast<double>(queue->bytes()) > 1e6 * options_.image_memory_mb) {
     ++counts_.overflows;
-    Tell(fmt::format("image of stamp {} ns: no odometry came while {:.0f} MB of images waited",
-                     waiting_.front().stamp_ns,
+    Tell(fmt::format("image of stamp {} ns: no {} came while {:.0f} MB of images waited",
+                     queue->Pop().stamp_ns,
+                     second_ ? "odometry or image of the other camera" : "odometry",
                      options_.image_memory_mb));
-    waiting_bytes_ -= waiting_.front().bytes;
-    waiting_.pop_front();
   }
   FollowWaiting();
 }
@@ -120,15 +129,11 @@ void OdometryFrontEnd::AddPose(std::int64_t stamp_ns, const Rigid3& T_W_B) {
 void OdometryFrontEnd::Restart(const StampedPose& first) {
   Tell(fmt::format("the odometry's stamps go back to {} ns: it started anew", first.stamp_ns));
   HandOver(true);
+  GiveUpUnlevelled();
+  level_ = WorldLevel(gravity_);
   const std::int64_t newest_ns = poses_.back().stamp_ns;
-  waiting_.erase(std::remove_if(waiting_.begin(),
-                                waiting_.end(),
-                                [&](const WaitingImage& w) { return w.stamp_ns >= newest_ns; }),
-                 waiting_.end());
-  waiting_bytes_ = 0;
-  for (const WaitingImage& waiting : waiting_) {
-    waiting_bytes_ += waiting.bytes;
-  }
+  waiting_.DropFrom(newest_ns);
+  waiting_second_.DropFrom(newest_ns);
   poses_ = {first};
   suspect_.reset();
   frames_.clear();
@@ -136,12 +141,18 @@ void OdometryFrontEnd::Restart(const StampedPose& first) {
   tracker_.Restart();
 }
 
+// Whether all is there that may belong to an image.
+bool OdometryFrontEnd::IsComplete(std::int64_t stamp_ns) const {
+  const bool has_pair =
+      !second_ || is_ended_ ||
+      (!waiting_second_.empty() && waiting_second_.back().stamp_ns >= stamp_ns - kPairToleranceNs);
+  return has_pair && !poses_.empty() && stamp_ns <= poses_.back().stamp_ns + kStampToleranceNs;
+}
+
 void OdometryFrontEnd::FollowWaiting() {
-  while (!waiting_.empty() && !poses_.empty() &&
-         waiting_.front().stamp_ns <= poses_.back().stamp_ns + kStampToleranceNs) {
-    const WaitingImage waiting = std::move(waiting_.front());
-    waiting_.pop_front();
-    waiting_bytes_ -= waiting.bytes;
+  while (!waiting_.empty() && IsComplete(waiting_.front().stamp_ns)) {
+    const WaitingImage waiting = waiting_.Pop();
+    waiting_second_.DropBefore(waiting.stamp_ns - kPairToleranceNs);
     if (!frames_.empty() && waiting.stamp_ns <= frames_.back().stamp_ns) {
       ++counts_.stray_stamps;
       Tell(fmt::format("image of stamp {} ns: older than the one before", waiting.stamp_ns));
@@ -180,21 +191,28 @@ std::optional<Rigid3> OdometryFrontEnd::PoseAt(std::int64_t stamp_ns) const {
                      static_cast<double>(stamp_ns - before.stamp_ns) / static_cast<double>(gap_ns));
 }
 
-void OdometryFrontEnd::Follow(const WaitingImage& waiting, const Rigid3& T_W_B) {
-  cv::Mat image;
+std::optional<cv::Mat> OdometryFrontEnd::Decode(const WaitingImage& waiting, const Camera& camera) {
   try {
-    image = waiting.source();
-    if (image.cols != camera_->width() || image.rows != camera_->height()) {
+    cv::Mat image = waiting.source();
+    if (image.cols != camera.width() || image.rows != camera.height()) {
       ThrowInputError("image of stamp {} ns: {} x {} px: expected the camera's {} x {}",
                       waiting.stamp_ns,
                       image.cols,
                       image.rows,
-                      camera_->width(),
-                      camera_->height());
+                      camera.width(),
+                      camera.height());
     }
+    return image;
   } catch (const InputError& error) {
     ++counts_.bad_images;
     Tell(error.what());
+    return std::nullopt;
+  }
+}
+
+void OdometryFrontEnd::Follow(const WaitingImage& waiting, const Rigid3& T_W_B) {
+  const auto image = Decode(waiting, *camera_);
+  if (!image) {
     return;
   }
   if (!frames_.empty() &&
@@ -207,18 +225,40 @@ void OdometryFrontEnd::Follow(const WaitingImage& waiting, const Rigid3& T_W_B) 
   Frame frame;
   frame.stamp_ns = waiting.stamp_ns;
   frame.T_W_B = T_W_B;
-  frame.corners = tracker_.Add(image);
+  frame.corners = tracker_.Add(*image);
   const Rigid3 T_W_C = T_W_B * T_B_C_;
+  level_.Add(T_W_C);
   for (const cv::Point2f& pixel : frame.corners.pixels) {
     frame.rays_W.push_back(T_W_C.q * camera_->Unproject({pixel.x, pixel.y}));
   }
   frame.is_keyframe = IsKeyframe(frame);
   if (frame.is_keyframe) {
+    frame.second_rays = FindSecondRays(frame);
     last_keyframe_ = frame;
   }
   frames_.push_back(std::move(frame));
   HandOver(false);
   Prune();
+}
+
+std::vector<OdometryFrontEnd::SecondRay> OdometryFrontEnd::FindSecondRays(const Frame& frame) {
+  std::vector<SecondRay> rays;
+  if (waiting_second_.empty() ||
+      waiting_second_.front().stamp_ns > frame.stamp_ns + kPairToleranceNs) {
+    return rays;
+  }
+  const auto image = Decode(waiting_second_.Pop(), *second_->camera);
+  if (!image) {
+    return rays;
+  }
+  const Eigen::Quaterniond q_W_C = frame.T_W_B.q * second_->T_B_C.q;
+  const auto pixels = tracker_.FindIn(*image);
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    if (pixels[i]) {
+      rays.push_back({i, q_W_C * second_->camera->Unproject({pixels[i]->x, pixels[i]->y})});
+    }
+  }
+  return rays;
 }
 
 bool OdometryFrontEnd::IsKeyframe(const Frame& frame) const {
@@ -248,11 +288,27 @@ void OdometryFrontEnd::HandOver(bool is_end) {
       continue;
     }
     frame.is_handed_over = true;
-    Keyframe keyframe = MakeKeyframe(frame);
+    unlevelled_.push_back(MakeKeyframe(frame));
+  }
+  HandOverLevel();
+}
+
+void OdometryFrontEnd::HandOverLevel() {
+  const auto T_L_W = level_.T_L_W();
+  if (!T_L_W) {
+    return;
+  }
+  for (Keyframe& keyframe : unlevelled_) {
+    keyframe.T_W_B = *T_L_W * keyframe.T_W_B;
+    for (TrackedPoint& point : keyframe.points) {
+      point.p_W = *T_L_W * point.p_W;
+    }
     ++counts_.keyframes;
+    counts_.without_points += keyframe.points.empty() ? 1 : 0;
     counts_.points += static_cast<std::int64_t>(keyframe.points.size());
     on_keyframe_(std::move(keyframe));
   }
+  unlevelled_.clear();
 }
 
 OdometryFrontEnd::Keyframe OdometryFrontEnd::MakeKeyframe(const Frame& frame) const {
@@ -272,6 +328,9 @@ OdometryFrontEnd::Keyframe OdometryFrontEnd::MakeKeyframe(const Frame& frame) co
     ForEachCommon(frame.corners, other.corners, [&](std::size_t i, std::size_t k) {
       tracks[i].push_back({other_centre_W, other.rays_W[k]});
     });
+  }
+  for (const SecondRay& second : frame.second_rays) {
+    tracks[second.corner].push_back({frame.T_W_B * second_->T_B_C.t, second.ray_W});
   }
   Keyframe keyframe{frame.stamp_ns, frame.T_W_B, {}};
   for (std::size_t i = 0; i < tracks.size(); ++i) {
@@ -298,10 +357,22 @@ void OdometryFrontEnd::Prune() {
 }
 
 void OdometryFrontEnd::Flush() {
+  is_ended_ = true;
+  FollowWaiting();
   HandOver(true);
+  GiveUpUnlevelled();
   counts_.without_pose += static_cast<std::int64_t>(waiting_.size());
-  waiting_.clear();
-  waiting_bytes_ = 0;
+  waiting_ = {};
+  waiting_second_ = {};
+  is_ended_ = false;
+}
+
+void OdometryFrontEnd::GiveUpUnlevelled() {
+  if (!unlevelled_.empty()) {
+    Tell(fmt::format("{} keyframes: the camera turned too little to tell which way is up",
+                     unlevelled_.size()));
+    unlevelled_.clear();
+  }
 }
 
 void OdometryFrontEnd::Tell(const std::string& what) const {

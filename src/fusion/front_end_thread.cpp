@@ -89,9 +89,15 @@ FrontEndCounts FrontEndThread::counts() const {
   return counts;
 }
 
+Rigid3 FrontEndThread::T_L_W() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return T_L_W_;
+}
+
 bool FrontEndThread::NextTask(Task* task) {
   std::unique_lock<std::mutex> lock(mutex_);
   counts_ = front_end_.counts();
+  T_L_W_ = front_end_.T_L_W();
   changed_.wait(lock, [this] { return state_ != State::kRunning || !queue_.empty(); });
   if (state_ == State::kStopped || queue_.empty()) {
     return false;

@@ -39,10 +39,11 @@ LoopFusion::LoopFusion(const LoopFusionOptions& options,
                        LoopCloser closer,
                        LoopFusionCallbacks callbacks,
                        std::shared_ptr<const Camera> camera,
-                       const Rigid3& T_B_C)
+                       const Rigid3& T_B_C,
+                       GravityPolicy gravity)
     : LoopFusion(options, std::move(closer), std::move(callbacks)) {
   front_end_ = std::make_unique<FrontEndThread>(
-      FrontEndSetup{options.front_end, std::move(camera), T_B_C},
+      FrontEndSetup{options.front_end, std::move(camera), T_B_C, gravity},
       &errors_,
       [this](OdometryFrontEnd::Keyframe keyframe) {
         const std::lock_guard<std::mutex> lock(assembler_mutex_);
@@ -135,8 +136,9 @@ void LoopFusion::AddRelativePose(const RelativePoseUpdate& update) {
 }
 
 Rigid3 LoopFusion::drift() const {
+  const Rigid3 T_L_W = front_end_ ? front_end_->T_L_W() : Rigid3::Identity();
   const std::lock_guard<std::mutex> lock(statistics_mutex_);
-  return T_M_W_;
+  return T_M_W_ * T_L_W;
 }
 
 LoopFusionStatistics LoopFusion::statistics() const {

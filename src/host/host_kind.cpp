@@ -1,5 +1,7 @@
 #include "deja_view/host/host_kind.hpp"
 
+#include "deja_view/base/check.hpp"
+
 namespace deja_view {
 
 VioTopics TopicsOf(HostKind host) {
@@ -28,6 +30,13 @@ VioTopics TopicsOf(HostKind host) {
       break;
   }
   return topics;
+}
+
+void CheckGravity(HostKind host, GravityPolicy gravity, const std::string& option) {
+  if (gravity == GravityPolicy::kEstimate && host != HostKind::kOdometry) {
+    ThrowInputError(
+        "{}: estimate goes with the host odometry only, not {}", option, EnumToString(host));
+  }
 }
 
 }  // namespace deja_view

@@ -35,9 +35,7 @@ MotionFigures MeasureMotion(const std::vector<std::int64_t>& stamps_ns,
 }
 
 std::optional<Eigen::Vector3d> UpFromLevelRows(const std::vector<Rigid3>& T_W_C) {
-  // Of the rows' spread, that across the second direction: some 15 degrees of turning.
   constexpr double kLeastSpread = 0.02;
-  constexpr double kClearly = 3;  // more than across the third
   if (T_W_C.empty()) {
     return std::nullopt;
   }
@@ -46,9 +44,14 @@ std::optional<Eigen::Vector3d> UpFromLevelRows(const std::vector<Rigid3>& T_W_C)
     const Eigen::Vector3d row_W = pose.q * Eigen::Vector3d::UnitX();
     spread += row_W * row_W.transpose() / static_cast<double>(T_W_C.size());
   }
+  return UpFromRowSpread(spread, kLeastSpread);
+}
+
+std::optional<Eigen::Vector3d> UpFromRowSpread(const Eigen::Matrix3d& spread, double least_spread) {
+  constexpr double kClearly = 3;  // more than across the third
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
   const Eigen::Vector3d& values = solver.eigenvalues();  // ascending
-  if (values[1] < kLeastSpread || values[1] < kClearly * values[0]) {
+  if (values[1] < least_spread || values[1] < kClearly * values[0]) {
     return std::nullopt;
   }
   return solver.eigenvectors().col(0);

@@ -25,6 +25,7 @@ int Run(int argc, char** argv) {
 #ifdef DEJA_VIEW_WITH_ROS
   deja_view::AddBundleCommand(app, &command);
   deja_view::AddCheckCommand(app, &command);
+  deja_view::AddKeyframesCommand(app, &command);
   deja_view::AddMapCommand(app, &command);
   deja_view::AddReplayCommand(app, &command);
   deja_view::AddViewsCommand(app, &command);

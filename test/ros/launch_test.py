@@ -19,6 +19,7 @@ LAUNCH = sys.argv.pop(1) if len(sys.argv) > 1 else "launch"
 ARGUMENTS = {
     "config_path": "config_file",
     "host": "host",
+    "gravity": "gravity",
     "options_file": "options_file",
     "vocabulary_file": "vocabulary_file",
     "map_directory": "map_directory",
@@ -87,6 +88,14 @@ class LaunchTest(unittest.TestCase):
         found = parameters(load("orb_slam3.launch", config_path="settings.yaml"))
         self.assertEqual(found["host"], "odometry")
         self.assertEqual(found["topics/odometry"], "/orb_slam3/body_odom")
+        self.assertEqual(found["gravity"], "given")
+
+    def test_poses_of_tf_are_played_from_tf(self):
+        config = load("replay.launch", bag="b.bag", config_path="c.yaml", host="odometry", odometry_topic="tf:odom,base")
+        player = next(n for n in config.nodes if n.name == "player")
+        played = player.args.split("--topics ")[1].split()
+        self.assertEqual(played, ["/cam0/image_raw", "/tf", "/tf_static", "/virtual_cam0/frame"])
+        self.assertEqual(parameters(config)["topics/odometry"], "tf:odom,base")
 
     def test_a_replay_plays_all_that_the_node_hears(self):
         config = load("replay.launch", bag="flight.bag", config_path="camera.yaml")

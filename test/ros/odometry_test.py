@@ -6,8 +6,9 @@ import unittest
 
 import rospy
 import rostest
-from geometry_msgs.msg import PoseStamped
+from geometry_msgs.msg import PoseStamped, TransformStamped, Vector3
 from nav_msgs.msg import Odometry
+from tf2_msgs.msg import TFMessage
 
 from flight import IMAGE, ODOMETRY, TYPES, Flight, NodeOutputs, wait_until
 
@@ -18,8 +19,10 @@ CORRECTED = "/loop_fusion/odometry_corrected"
 class OdometryTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        kinds = {IMAGE: TYPES[IMAGE], ODOMETRY: PoseStamped}
+        cls.is_tf = rospy.get_param("~poses") == "tf"
+        kinds = {IMAGE: TYPES[IMAGE], ODOMETRY: PoseStamped, "/tf": TFMessage}
         cls.flight = Flight(rospy.get_param("~flight"), kinds)
+        cls.flight.publishers.pop(ODOMETRY if cls.is_tf else "/tf").unregister()
         cls.outputs = NodeOutputs({CORRECTED: Odometry})
         cls.flight.wait_for_node()
         cls.poses = 0
@@ -37,7 +40,16 @@ class OdometryTest(unittest.TestCase):
         pose = PoseStamped(header=message.header, pose=message.pose.pose)
         if cls.poses == 50:
             pose.pose.orientation.w = float("nan")
-        return [(topic, pose)]
+        return [("/tf", cls.transform(pose)) if cls.is_tf else (topic, pose)]
+
+    @staticmethod
+    def transform(pose):
+        link = TransformStamped(header=pose.header, child_frame_id="base_link")
+        link.header.frame_id = "odom"
+        position = pose.pose.position
+        link.transform.translation = Vector3(position.x, position.y, position.z)
+        link.transform.rotation = pose.pose.orientation
+        return TFMessage([link])
 
     def test_loops_are_found_and_right(self):
         accepted = self.outputs.accepted()

@@ -11,6 +11,8 @@ import tempfile
 import unittest
 
 import rosbag
+from geometry_msgs.msg import TransformStamped
+from tf2_msgs.msg import TFMessage
 
 TOOL, FLIGHT = sys.argv[1:3]
 BAG, CAMERA = os.path.join(FLIGHT, "flight.bag"), os.path.join(FLIGHT, "camera.yaml")
@@ -45,12 +47,15 @@ class ReplayTest(unittest.TestCase):
             return json.load(lines), result
 
     def edited(self, edit):
-        """A copy of the bag; edit(topic, message, seconds since its beginning) returns the message, or none."""
+        """A copy of the bag; edit(topic, message, seconds since its beginning) returns the message, none, or a topic and
+        its message."""
         path = os.path.join(self.folder, "edited.bag")
         with rosbag.Bag(BAG) as bag, rosbag.Bag(path, "w") as out:
             begin = bag.get_start_time()
             for topic, message, time in bag.read_messages():
                 message = edit(topic, message, message.header.stamp.to_sec() - begin)
+                if isinstance(message, tuple):
+                    topic, message = message
                 if message is not None:
                     out.write(topic, message, time)
         return path
@@ -86,6 +91,55 @@ class ReplayTest(unittest.TestCase):
         self.assertLess(figures["ape_mean_m"], 1.5 * plain["ape_mean_m"])
         self.assertEqual(figures["restarts"], 1)
         self.assertIn("the VIO started anew", result.stderr)
+
+    def test_poses_of_tf_are_as_good_as_a_topic(self):
+        def transforms(parent, child, message):
+            link = TransformStamped(header=message.header, child_frame_id=child)
+            link.header.frame_id = parent
+            pose = message.pose.pose
+            for axis in "xyz":
+                setattr(link.transform.translation, axis, getattr(pose.position, axis))
+            link.transform.rotation = pose.orientation
+            return TFMessage([link])
+
+        def as_tf(topic, message, _):
+            if topic == "/vins_estimator/extrinsic":
+                message.pose.pose.position.x, message.pose.pose.orientation.w = 0.0, 1.0
+                for axis in "xyz":
+                    setattr(message.pose.pose.position, axis, 0.0)
+                    setattr(message.pose.pose.orientation, axis, 0.0)
+                return "/tf_static", transforms("base", "imu", message)
+            return ("/tf", transforms("odom", "base", message)) if topic == POSES else message
+
+        bag = self.edited(as_tf)
+        expected, _ = self.figures(BAG, *ODOMETRY)
+        found, _ = self.figures(bag, "--host", "odometry", "--odometry-topic", "tf:odom,imu")
+        for figure in ("keyframes", "loops_accepted", "recall", "precision", "ape_mean_m"):
+            self.assertEqual(found[figure], expected[figure], figure)
+        self.assertGreater(found["recall"], 0.8)
+        result = self.replay(bag, CAMERA, "--host", "odometry", "--odometry-topic", "tf:world,imu")
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("no transform from world to imu; there are base -> imu, odom -> base", result.stderr)
+
+    def test_a_world_on_its_side_is_refused_unless_it_is_to_be_levelled(self):
+        def tilt(topic, message, _):
+            if topic == POSES:
+                position, q, half = message.pose.pose.position, message.pose.pose.orientation, math.sqrt(0.5)
+                position.y, position.z = -position.z, position.y
+                q.x, q.y, q.z, q.w = half * (q.w + q.x), half * (q.y - q.z), half * (q.z + q.y), half * (q.w - q.x)
+            return message
+
+        bag = self.edited(tilt)
+        result = self.replay(bag, CAMERA, *ODOMETRY)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("the odometry's world is tilted by", result.stderr)
+        self.assertIn("gravity: estimate", result.stderr)
+        expected, _ = self.figures(BAG, *ODOMETRY)
+        found, _ = self.figures(bag, *ODOMETRY, "--gravity", "estimate")
+        self.assertEqual(found["precision"], 1.0)
+        self.assertGreater(found["recall"], 0.9 * expected["recall"])
+        self.assertLess(found["ape_mean_m"], 1.5 * expected["ape_mean_m"])
+        self.assertEqual(self.replay(BAG, CAMERA, "--gravity", "estimate").returncode, 1)
 
     def test_images_of_another_size_are_told_in_a_line(self):
         camera = self.spoilt_camera("image_width: ", "image_width: 1")

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,10 @@ class CornerTracker {
 
   /// CV_8UC1; of the size of the one before. The result is valid until the next call.
   const TrackedCorners& Add(const cv::Mat& image);
+
+  /// Where the newest image's corners are in another one of the same moment, by a second camera:
+  /// one entry per corner, none for those that are not found there and back. CV_8UC1, of any size.
+  std::vector<std::optional<cv::Point2f>> FindIn(const cv::Mat& image) const;
 
   /// Lets corners go that others have found wrong: those without a mark. One mark per corner of the
   /// newest image.

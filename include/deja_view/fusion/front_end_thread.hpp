@@ -38,6 +38,8 @@ class FrontEndThread {
   void AddPose(std::int64_t stamp_ns, const Rigid3& T_W_B);
 
   FrontEndCounts counts() const;
+  /// OdometryFrontEnd::T_L_W.
+  Rigid3 T_L_W() const;
 
  private:
   using Task = std::variant<WaitingImage, StampedPose>;
@@ -62,6 +64,7 @@ class FrontEndThread {
   std::size_t queued_bytes_ = 0;
   State state_ = State::kStopped;
   FrontEndCounts counts_;
+  Rigid3 T_L_W_;
   std::int64_t overflows_ = 0;
   std::thread thread_;
 };

@@ -70,7 +70,8 @@ class LoopFusion {
              LoopCloser closer,
              LoopFusionCallbacks callbacks,
              std::shared_ptr<const Camera> camera,
-             const Rigid3& T_B_C);
+             const Rigid3& T_B_C,
+             GravityPolicy gravity = GravityPolicy::kGiven);
   /// Stops without draining.
   ~LoopFusion();
 
@@ -90,7 +91,8 @@ class LoopFusion {
   void AddRelativePose(const RelativePoseUpdate& update);
   void AddVirtualView(VirtualViewSource view, std::size_t bytes);
 
-  /// T_M_W after the newest keyframe; never waits for one.
+  /// T_M_W after the newest keyframe, of the odometry's own world, level or not; never waits for
+  /// one.
   Rigid3 drift() const;
 
   LoopFusionStatistics statistics() const;

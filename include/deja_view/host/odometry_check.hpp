@@ -28,6 +28,10 @@ MotionFigures MeasureMotion(const std::vector<std::int64_t>& stamps_ns,
 /// the two signs. Nothing for cameras that turned too little to tell.
 std::optional<Eigen::Vector3d> UpFromLevelRows(const std::vector<Rigid3>& T_W_C);
 
+/// The same of the mean of row * row^T over the rows [unit vectors in W]. `least_spread` is that
+/// across the second direction: 0.02 is some 15 degrees of turning, 0.1 some 65.
+std::optional<Eigen::Vector3d> UpFromRowSpread(const Eigen::Matrix3d& spread, double least_spread);
+
 /// Median distance [px] between the points' own pixels and where camera and poses put them; nothing
 /// when none can be projected. It is a pixel or two when calibration and extrinsics are right.
 std::optional<double> MedianReprojection(const Rigid3& T_W_C,

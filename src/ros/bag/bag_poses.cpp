@@ -1,14 +1,15 @@
 #include "deja_view/ros/bag/bag_poses.hpp"
 
 #include "deja_view/base/check.hpp"
-#include "deja_view/ros/messages/any_pose.hpp"
+#include "deja_view/ros/bag/odometry_topic.hpp"
 
 namespace deja_view {
+
 Trajectory ReadBagPoses(const BagReader& bag, const std::string& topic) {
-  bag.RequireTopic(topic, PoseMessageTypes());
   Trajectory trajectory;
-  bag.Read({topic}, [&](const rosbag::MessageInstance& instance) {
-    const auto read = FromAnyPose(instance, topic);
+  OdometryTopic odometry(bag, topic);
+  bag.Read(odometry.names(), [&](const rosbag::MessageInstance& instance) {
+    const auto read = odometry.Read(instance);
     if (!read) {
       return;
     }

@@ -2,8 +2,8 @@
 
 #include "deja_view/base/check.hpp"
 #include "deja_view/ros/bag/bag_reader.hpp"
+#include "deja_view/ros/bag/odometry_topic.hpp"
 #include "deja_view/ros/bag/view_bag.hpp"
-#include "deja_view/ros/messages/any_pose.hpp"
 #include "deja_view/ros/messages/virtual_frame_conversion.hpp"
 
 #include <map>
@@ -61,6 +61,9 @@ class Replay {
       front_end_->Flush();
       report_.front_end = front_end_->counts();
     }
+    if (const auto missing = odometry_ ? odometry_->Missing() : std::nullopt) {
+      Tell(*missing);
+    }
     assembler_.Flush();
     report_.assembler = assembler_.counts();
     return report_;
@@ -90,16 +93,18 @@ class Replay {
   }
 
   void AddPoseHandler(const BagReader& bag) {
-    bag.RequireTopic(topics_.odometry, PoseMessageTypes());
-    handlers_[topics_.odometry] = [this](const rosbag::MessageInstance& instance) {
-      const auto pose = FromAnyPose(instance, topics_.odometry);
-      if (pose) {
-        front_end_->AddPose(pose->stamp_ns, pose->pose);
-      }
-      if (pose && callbacks_.on_odometry) {
-        callbacks_.on_odometry(*pose);
-      }
-    };
+    odometry_.emplace(bag, topics_.odometry);
+    for (const std::string& name : odometry_->names()) {
+      handlers_[name] = [this](const rosbag::MessageInstance& instance) {
+        const auto pose = odometry_->Read(instance);
+        if (pose) {
+          front_end_->AddPose(pose->stamp_ns, pose->pose);
+        }
+        if (pose && callbacks_.on_odometry) {
+          callbacks_.on_odometry(*pose);
+        }
+      };
+    }
   }
 
   void AddHostHandlers(const BagReader& bag) {
@@ -132,28 +137,14 @@ class Replay {
   }
 
   void AddImageHandler(const BagReader& bag) {
-    bag.RequireTopic(topics_.image, {"sensor_msgs/Image", "sensor_msgs/CompressedImage"});
-    if (bag.TypeOf(topics_.image) == "sensor_msgs/Image") {
-      handlers_[topics_.image] = [this](const rosbag::MessageInstance& instance) {
-        const auto message = Instantiate<sensor_msgs::Image>(instance);
-        AddImage(*message, FromImage(message, instance.getTopic(), callbacks_.image_size));
-      };
-    } else {
-      handlers_[topics_.image] = [this](const rosbag::MessageInstance& instance) {
-        const auto message = Instantiate<sensor_msgs::CompressedImage>(instance);
-        AddImage(*message,
-                 FromCompressedImage(message, instance.getTopic(), callbacks_.image_size));
-      };
-    }
-  }
-
-  template <typename Message>
-  void AddImage(const Message& message, const ImageSource& image) {
-    const std::int64_t stamp_ns = ToNanoseconds(message.header.stamp);
-    assembler_.AddImage(stamp_ns, image, message.data.size());
-    if (front_end_) {
-      front_end_->AddImage(stamp_ns, image, message.data.size());
-    }
+    RequireImages(bag, topics_.image);
+    handlers_[topics_.image] = [this](const rosbag::MessageInstance& instance) {
+      const WaitingImage image = ReadImage(instance, callbacks_.image_size);
+      assembler_.AddImage(image.stamp_ns, image.source, image.bytes);
+      if (front_end_) {
+        front_end_->AddImage(image.stamp_ns, image.source, image.bytes);
+      }
+    };
   }
 
   void Require(const BagReader& bag,
@@ -218,6 +209,7 @@ class Replay {
   std::map<std::string, Handler> handlers_;
   KeyframeAssembler assembler_;
   std::optional<OdometryFrontEnd> front_end_;
+  std::optional<OdometryTopic> odometry_;
 };
 
 }  // namespace

@@ -19,6 +19,7 @@ namespace deja_view {
 namespace {
 
 constexpr std::int64_t kNanoseconds = 1000000000;
+constexpr const char* kWorld = "world";
 constexpr std::size_t kPointChannels = 5;  // x_n, y_n, u, v, feature id
 constexpr std::uint32_t kMaxImageSide = 32768;
 constexpr std::int64_t kMaxEncodedPixels = std::int64_t{1} << 26;
@@ -264,6 +265,39 @@ RelativePoseUpdate FromRelativePose(const nav_msgs::Odometry& message, const std
   update.relative_yaw = ToRadians(yaw_deg);
   update.current = static_cast<int>(std::lround(index));
   return update;
+}
+
+nav_msgs::Odometry ToOdometry(const StampedPose& pose) {
+  nav_msgs::Odometry message;
+  message.header.stamp = ToRosTime(pose.stamp_ns);
+  message.header.frame_id = kWorld;
+  message.child_frame_id = kWorld;  // as VINS-Mono has it
+  message.pose.pose = ToPose(pose.pose);
+  return message;
+}
+
+sensor_msgs::PointCloud ToKeyframePoints(std::int64_t stamp_ns,
+                                         const std::vector<TrackedPoint>& points,
+                                         const Camera& camera) {
+  sensor_msgs::PointCloud message;
+  message.header.stamp = ToRosTime(stamp_ns);
+  message.header.frame_id = kWorld;
+  for (const TrackedPoint& tracked : points) {
+    geometry_msgs::Point32 point;
+    point.x = static_cast<float>(tracked.p_W.x());
+    point.y = static_cast<float>(tracked.p_W.y());
+    point.z = static_cast<float>(tracked.p_W.z());
+    message.points.push_back(point);
+    const Eigen::Vector3d ray = camera.Unproject(tracked.pixel.cast<double>());
+    sensor_msgs::ChannelFloat32 channel;
+    channel.values = {static_cast<float>(ray.x() / ray.z()),
+                      static_cast<float>(ray.y() / ray.z()),
+                      tracked.pixel.x(),
+                      tracked.pixel.y(),
+                      static_cast<float>(tracked.feature_id)};
+    message.channels.push_back(std::move(channel));
+  }
+  return message;
 }
 
 sensor_msgs::PointCloud ToMatchPoints(const Relocalisation& relocalisation,

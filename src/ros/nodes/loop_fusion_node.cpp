@@ -5,17 +5,13 @@
 #include "deja_view/base/output_lock.hpp"
 #include "deja_view/fusion/result_files.hpp"
 #include "deja_view/io/options_yaml.hpp"
-#include "deja_view/ros/messages/any_pose.hpp"
 #include "deja_view/ros/nodes/answer_service.hpp"
 
 #include <algorithm>
-#include <map>
 #include <utility>
 
 #include <ros/console.h>
 #include <ros/init.h>
-#include <ros/master.h>
-#include <ros/message_traits.h>
 
 namespace deja_view {
 namespace {
@@ -24,21 +20,6 @@ namespace {
 // empty.
 constexpr std::uint32_t kImageQueue = 200;
 constexpr std::uint32_t kMessageQueue = 2000;
-
-/// With the velocities, where the message has them.
-nav_msgs::Odometry ToOdometry(const topic_tools::ShapeShifter& message,
-                              const StampedPose& T_W_B,
-                              const FrameNames& frames) {
-  if (const auto odometry = internal::InstantiateIf<nav_msgs::Odometry>(message)) {
-    return *odometry;
-  }
-  nav_msgs::Odometry odometry;
-  odometry.header.stamp = ToRosTime(T_W_B.stamp_ns);
-  odometry.header.frame_id = frames.vio;
-  odometry.child_frame_id = frames.body;
-  odometry.pose.pose = ToPose(T_W_B.pose);
-  return odometry;
-}
 
 }  // namespace
 
@@ -50,6 +31,11 @@ LoopFusionNode::LoopFusionNode()
   maps_ = MapDirectory(parameters_.map_directory);
   if (!parameters_.options_file.empty()) {
     ReadOptions(parameters_.options_file, &options_);
+  }
+  if (parameters_.host == HostKind::kOdometry) {
+    if (const auto frames = ParseTfFrames(parameters_.topics.odometry)) {
+      tf_.emplace(*frames);
+    }
   }
   service_handle_.setCallbackQueue(&service_queue_);
   publisher_ = std::make_unique<LoopPublisher>(ros::NodeHandle(parameters_.vins_namespace),
@@ -66,19 +52,23 @@ LoopFusionNode::~LoopFusionNode() = default;
 std::unique_ptr<LoopFusion> LoopFusionNode::MakeLoopFusion() {
   LoopFusionCallbacks callbacks;
   callbacks.on_keyframe =
-      [this](const KeyframeInput& input, const KeyframeReport& report, const LoopCloser& closer) {
+      [this](const KeyframeInput& input, const KeyframeReport& report, const LoopCloser&) {
         if (!parameters_.output_directory.empty()) {
           AddLoopRows(report.loops, &loops_);
         }
         for (const LoopMatches& matches : report.matches) {
           matches_.Add(matches);
         }
-        publisher_->PublishKeyframe(input, report, closer);
+        publisher_->PublishKeyframe(input, report, fusion_->drift());
       };
   callbacks.on_problem = [this](const std::string& what) { OnProblem(what); };
   if (parameters_.host == HostKind::kOdometry) {
-    return std::make_unique<LoopFusion>(
-        options_, MakeLoopCloser(), std::move(callbacks), vins_.camera, vins_.T_B_C);
+    return std::make_unique<LoopFusion>(options_,
+                                        MakeLoopCloser(),
+                                        std::move(callbacks),
+                                        vins_.camera,
+                                        vins_.T_B_C,
+                                        parameters_.gravity);
   }
   return std::make_unique<LoopFusion>(options_, MakeLoopCloser(), std::move(callbacks));
 }
@@ -170,7 +160,10 @@ void LoopFusionNode::SubscribeTo(
 
 void LoopFusionNode::Subscribe() {
   const VioTopics& topics = parameters_.topics;
-  if (parameters_.host == HostKind::kOdometry) {
+  if (tf_) {
+    SubscribeTo(TfPoses::kTopic, kMessageQueue, &LoopFusionNode::OnTransforms);
+    SubscribeTo(TfPoses::kStaticTopic, kMessageQueue, &LoopFusionNode::OnStaticTransforms);
+  } else if (parameters_.host == HostKind::kOdometry) {
     SubscribeTo(topics.odometry, kMessageQueue, &LoopFusionNode::OnAnyPose);
   } else {
     SubscribeTo(topics.odometry, kMessageQueue, &LoopFusionNode::OnOdometry);
@@ -216,17 +209,6 @@ void LoopFusionNode::OnKeyframePoints(const sensor_msgs::PointCloudConstPtr& mes
 void LoopFusionNode::OnExtrinsic(const nav_msgs::OdometryConstPtr& message) {
   const StampedPose pose = FromOdometry(*message, parameters_.topics.extrinsic);
   fusion_->AddExtrinsic(pose.stamp_ns, pose.pose);
-}
-
-void LoopFusionNode::OnAnyPose(const topic_tools::ShapeShifter::ConstPtr& message) {
-  const auto pose = FromAnyPose(*message, parameters_.topics.odometry);
-  if (!pose) {
-    ROS_INFO_ONCE("%s: not initialised yet", parameters_.topics.odometry.c_str());
-    return;
-  }
-  fusion_->AddOdometry(pose->stamp_ns, pose->pose);
-  publisher_->PublishOdometry(
-      ToOdometry(*message, *pose, parameters_.frames), *pose, fusion_->drift());
 }
 
 void LoopFusionNode::OnOdometry(const nav_msgs::OdometryConstPtr& message) {
@@ -308,44 +290,6 @@ void LoopFusionNode::PublishPaths(const ros::WallTimerEvent& /*event*/) {
           return ListKeyframes(closer, options_.node.path_poses);
         });
     publisher_->PublishPaths(keyframes, loops, first_own_sequence);
-  });
-}
-
-std::vector<NeededTopic> LoopFusionNode::NeededTopics() const {
-  const VioTopics& topics = parameters_.topics;
-  const std::string odometry = ros::message_traits::datatype<nav_msgs::Odometry>();
-  std::vector<NeededTopic> needed = {{handle_.resolveName(topics.odometry), odometry, true}};
-  if (vins_.loop_closure) {
-    needed.push_back({handle_.resolveName(topics.image),
-                      parameters_.compressed_images
-                          ? ros::message_traits::datatype<sensor_msgs::CompressedImage>()
-                          : ros::message_traits::datatype<sensor_msgs::Image>(),
-                      true});
-  }
-  if (vins_.loop_closure && parameters_.host != HostKind::kOdometry) {
-    needed.push_back({handle_.resolveName(topics.keyframe_pose), odometry, false});
-    needed.push_back({handle_.resolveName(topics.keyframe_point),
-                      ros::message_traits::datatype<sensor_msgs::PointCloud>(),
-                      false});
-  }
-  return needed;
-}
-
-void LoopFusionNode::WatchTopics(const ros::WallTimerEvent& /*event*/) {
-  errors_.Guard([this] {
-    const double now_s = ros::SteadyTime::now().toSec();
-    if (watch_->Silent(now_s).empty()) {
-      return;
-    }
-    ros::master::V_TopicInfo topics;
-    ros::master::getTopics(topics);
-    std::map<std::string, std::string> published;
-    for (const ros::master::TopicInfo& topic : topics) {
-      published[topic.name] = topic.datatype;
-    }
-    for (const std::string& warning : watch_->Warn(now_s, published)) {
-      ROS_WARN("loop_fusion: %s", warning.c_str());
-    }
   });
 }
 

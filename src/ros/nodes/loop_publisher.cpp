@@ -66,7 +66,7 @@ ros::Publisher LoopPublisher::AdvertiseMapOutput(ros::NodeHandle& handle,
 
 void LoopPublisher::PublishKeyframe(const KeyframeInput& input,
                                     const KeyframeReport& report,
-                                    const LoopCloser& closer) {
+                                    const Rigid3& T_M_W) {
   paths_changed_ = true;
   for (const LoopReport& loop : report.loops) {
     loop_constraint_.publish(ToLoopConstraint(loop, frames_));
@@ -75,7 +75,7 @@ void LoopPublisher::PublishKeyframe(const KeyframeInput& input,
     match_points_.publish(
         ToMatchPoints(*report.relocalisation, report.index, input.stamp_ns, frames_.map));
   }
-  drift_.publish(ToDrift(closer.drift(), input.stamp_ns, frames_));
+  drift_.publish(ToDrift(T_M_W, input.stamp_ns, frames_));
   match_images_.Add(report.index, input.image);
   PublishMatchImage(input, report);
 }

@@ -5,16 +5,15 @@
 namespace deja_view {
 namespace {
 
-HostKind ReadHost(const ros::NodeHandle& handle) {
-  const std::string name = internal::ReadText(handle, "host", "vins_mono");
-  const auto host = EnumFromString<HostKind>(name);
-  if (!host) {
-    ThrowInputError("parameter {}: '{}': expected {}",
-                    handle.resolveName("host"),
-                    name,
-                    EnumNameList<HostKind>());
+template <typename Enum>
+Enum ReadEnum(const ros::NodeHandle& handle, const std::string& name, Enum fallback) {
+  const std::string text = internal::ReadText(handle, name, EnumToString(fallback));
+  const auto value = EnumFromString<Enum>(text);
+  if (!value) {
+    ThrowInputError(
+        "parameter {}: '{}': expected {}", handle.resolveName(name), text, EnumNameList<Enum>());
   }
-  return *host;
+  return *value;
 }
 
 }  // namespace
@@ -33,7 +32,9 @@ NodeParameters ReadNodeParameters(const ros::NodeHandle& handle) {
   p.compressed_images =
       internal::ReadParameter<bool>(handle, "compressed_images", false, "true or false");
   p.vins_namespace = ReadText(handle, "vins_namespace", "/pose_graph");
-  p.host = ReadHost(handle);
+  p.host = ReadEnum(handle, "host", HostKind::kVinsMono);
+  p.gravity = ReadEnum(handle, "gravity", GravityPolicy::kGiven);
+  CheckGravity(p.host, p.gravity, "parameter " + handle.resolveName("gravity"));
   p.topics = TopicsOf(p.host);
   p.topics.image = ReadText(handle, "topics/image");
   const auto read_topic = [&handle](const char* name, std::string* topic) {

@@ -15,6 +15,7 @@ void AddBundleCommand(CLI::App& app, Command* command);
 void AddCheckCommand(CLI::App& app, Command* command);
 void AddEvaluateCommand(CLI::App& app, Command* command);
 void AddExplainCommand(CLI::App& app, Command* command);
+void AddKeyframesCommand(CLI::App& app, Command* command);
 void AddMapCommand(CLI::App& app, Command* command);
 void AddNerfCommand(CLI::App& app, Command* command);
 void AddReplayCommand(CLI::App& app, Command* command);

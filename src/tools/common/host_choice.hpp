@@ -18,15 +18,17 @@ namespace deja_view {
 struct HostChoice {
   HostKind host = HostKind::kVinsMono;
   std::string odometry_topic;  ///< empty: the host's
+  GravityPolicy gravity = GravityPolicy::kGiven;
 
   /// With the image topic of the camera file. Throws InputError when it names none.
   VioTopics Topics(const VinsConfig& vins, const std::filesystem::path& camera) const;
-  /// How keyframes are made of images and poses, for a host that gives no others.
+  /// How keyframes are made of images and poses, for a host that gives no others. Throws InputError
+  /// for a gravity that is to be estimated for another one.
   std::optional<FrontEndSetup> FrontEnd(const VinsConfig& vins,
                                         const OdometryFrontEndOptions& options) const;
 };
 
-/// --host and --odometry-topic. Keeps a reference to `choice`.
+/// --host, --odometry-topic and --gravity. Keeps a reference to `choice`.
 void AddHostOptions(CLI::App* sub, HostChoice* choice);
 
 }  // namespace deja_view

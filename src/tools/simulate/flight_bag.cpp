@@ -5,52 +5,17 @@
 
 #include <utility>
 
-#include <geometry_msgs/Point32.h>
 #include <nav_msgs/Odometry.h>
 #include <sensor_msgs/Imu.h>
-#include <sensor_msgs/PointCloud.h>
 
 namespace deja_view {
 namespace {
-
-constexpr const char* kWorld = "world";
-
-nav_msgs::Odometry MakeOdometry(std::int64_t stamp_ns, const Rigid3& pose) {
-  nav_msgs::Odometry message;
-  message.header.stamp = ToRosTime(stamp_ns);
-  message.header.frame_id = kWorld;
-  message.pose.pose = ToPose(pose);
-  return message;
-}
 
 template <typename Vector>
 void Assign(const Eigen::Vector3d& from, Vector* to) {
   to->x = from.x();
   to->y = from.y();
   to->z = from.z();
-}
-
-/// One channel per point with [x_n, y_n, u, v, feature id], as VINS-Mono's estimator publishes.
-sensor_msgs::PointCloud MakePoints(const KeyframeInput& keyframe, const Camera& camera) {
-  sensor_msgs::PointCloud message;
-  message.header.stamp = ToRosTime(keyframe.stamp_ns);
-  message.header.frame_id = kWorld;
-  for (const TrackedPoint& tracked : keyframe.points) {
-    geometry_msgs::Point32 point;
-    point.x = static_cast<float>(tracked.p_W.x());
-    point.y = static_cast<float>(tracked.p_W.y());
-    point.z = static_cast<float>(tracked.p_W.z());
-    message.points.push_back(point);
-    const Eigen::Vector3d ray = camera.Unproject(tracked.pixel.cast<double>());
-    sensor_msgs::ChannelFloat32 channel;
-    channel.values = {static_cast<float>(ray.x() / ray.z()),
-                      static_cast<float>(ray.y() / ray.z()),
-                      tracked.pixel.x(),
-                      tracked.pixel.y(),
-                      static_cast<float>(tracked.feature_id)};
-    message.channels.push_back(std::move(channel));
-  }
-  return message;
 }
 
 }  // namespace
@@ -75,20 +40,21 @@ void FlightBag::OnImage(std::int64_t stamp_ns, const cv::Mat& image) {
 }
 
 void FlightBag::OnOdometry(std::int64_t arrival_ns, const sim::VioOdometry& odometry) {
-  nav_msgs::Odometry body = MakeOdometry(odometry.stamp_ns, odometry.T_V_B);
-  body.child_frame_id = kWorld;
+  nav_msgs::Odometry body = ToOdometry({odometry.stamp_ns, odometry.T_V_B});
   Assign(odometry.velocity_V, &body.twist.twist.linear);
   writer_.Write("/vins_estimator/odometry", arrival_ns, body);
   writer_.Write("/vins_estimator/camera_pose",
                 arrival_ns,
-                MakeOdometry(odometry.stamp_ns, odometry.T_V_B * T_B_C_));
-  writer_.Write("/vins_estimator/extrinsic", arrival_ns, MakeOdometry(odometry.stamp_ns, T_B_C_));
+                ToOdometry({odometry.stamp_ns, odometry.T_V_B * T_B_C_}));
+  writer_.Write("/vins_estimator/extrinsic", arrival_ns, ToOdometry({odometry.stamp_ns, T_B_C_}));
 }
 
 void FlightBag::OnKeyframe(std::int64_t arrival_ns, const KeyframeInput& keyframe) {
   writer_.Write(
-      "/vins_estimator/keyframe_pose", arrival_ns, MakeOdometry(keyframe.stamp_ns, keyframe.T_W_B));
-  writer_.Write("/vins_estimator/keyframe_point", arrival_ns, MakePoints(keyframe, *camera_));
+      "/vins_estimator/keyframe_pose", arrival_ns, ToOdometry({keyframe.stamp_ns, keyframe.T_W_B}));
+  writer_.Write("/vins_estimator/keyframe_point",
+                arrival_ns,
+                ToKeyframePoints(keyframe.stamp_ns, keyframe.points, *camera_));
 }
 
 void FlightBag::AddVirtualView(std::int64_t arrival_ns, const VirtualView& view) {

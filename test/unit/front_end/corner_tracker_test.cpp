@@ -1,5 +1,6 @@
 #include "deja_view/front_end/corner_tracker.hpp"
 
+#include <algorithm>
 #include <map>
 
 #include "synthetic_image.hpp"
@@ -64,6 +65,27 @@ TEST_F(CornerTrackerTest, LosesWhatIsNotThereAnyMore) {
     common += before.count(entry.first);
   }
   EXPECT_LT(common, before.size() / 5);
+}
+
+TEST_F(CornerTrackerTest, FindsItsCornersInASecondCamerasImage) {
+  CornerTracker tracker({});
+  EXPECT_TRUE(tracker.FindIn(View(0)).empty());
+  const TrackedCorners corners = tracker.Add(View(100));
+  const auto found = tracker.FindIn(View(130));
+  ASSERT_EQ(found.size(), corners.ids.size());
+  std::size_t right = 0;
+  std::size_t wrong = 0;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const cv::Point2f expected = corners.pixels[i] - cv::Point2f(30, 0);
+    if (found[i]) {
+      ++(cv::norm(*found[i] - expected) < 0.5 ? right : wrong);
+    }
+  }
+  EXPECT_GT(right, found.size() / 2);
+  EXPECT_LT(wrong, found.size() / 20);  // look alike by chance
+  const auto elsewhere = tracker.FindIn(View(2 * kViewWidth));
+  EXPECT_LT(std::count_if(elsewhere.begin(), elsewhere.end(), [](const auto& p) { return p; }),
+            static_cast<std::ptrdiff_t>(found.size() / 5));
 }
 
 TEST_F(CornerTrackerTest, StartsAnewWithIdsThatGoOn) {

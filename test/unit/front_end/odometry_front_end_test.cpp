@@ -249,5 +249,115 @@ TEST_F(OdometryFrontEndTest, NamesBadOptions) {
   }
 }
 
+/// With a second camera 0.3 m to the right, which sees the wall 20 px further on.
+class StereoFrontEndTest : public OdometryFrontEndTest {
+ protected:
+  static constexpr double kBaseline = 0.3;
+  static constexpr int kDisparity = 20;
+
+  StereoFrontEndTest() {
+    setup_.second = SecondCamera{setup_.camera, setup_.T_B_C};
+    setup_.second->T_B_C.t.y() -= kBaseline;
+  }
+
+  void AddSecondImage(OdometryFrontEnd* front_end, int i) const {
+    front_end->AddSecondImage(
+        Stamp(i) + 1000,
+        [this, i] { return Picture(i + kDisparity / kStep); },
+        static_cast<std::size_t>(kWidth) * kHeight);
+  }
+};
+
+TEST_F(StereoFrontEndTest, GivesPointsToImagesFarApart) {
+  OdometryFrontEnd front_end = Make();
+  const Rigid3 T_N_W{Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ())),
+                     Eigen::Vector3d(1, 2, 3)};
+  AddSecondImage(&front_end, -1);  // of no image
+  for (const int i : {0, 40, 80}) {
+    AddImage(&front_end, i);
+    front_end.AddPose(Stamp(i), T_N_W * Pose(i));
+    AddSecondImage(&front_end, i);
+  }
+  front_end.Flush();
+  ASSERT_EQ(keyframes_.size(), 3U);
+  for (const OdometryFrontEnd::Keyframe& keyframe : keyframes_) {
+    EXPECT_GT(keyframe.points.size(), 40U);
+    for (const TrackedPoint& point : keyframe.points) {
+      EXPECT_NEAR((T_N_W.Inverse() * point.p_W).x(), 0.1 + kDistance, 0.1);
+    }
+  }
+  EXPECT_EQ(front_end.counts().without_points, 0);
+}
+
+TEST_F(StereoFrontEndTest, WaitsForTheSecondImageAndCountsKeyframesWithoutPoints) {
+  OdometryFrontEnd front_end = Make();
+  for (const int i : {0, 40, 80}) {
+    AddPose(&front_end, i);
+    AddImage(&front_end, i);
+  }
+  EXPECT_TRUE(keyframes_.empty());
+  AddSecondImage(&front_end, 0);
+  AddSecondImage(&front_end, 80);
+  front_end.Flush();
+  ASSERT_EQ(keyframes_.size(), 3U);
+  EXPECT_GT(keyframes_[0].points.size(), 40U);
+  EXPECT_TRUE(keyframes_[1].points.empty());
+  EXPECT_GT(keyframes_[2].points.size(), 40U);
+  EXPECT_EQ(front_end.counts().without_points, 1);
+}
+
+TEST_F(StereoFrontEndTest, GoesOnWithoutAnImageOfAnotherSize) {
+  OdometryFrontEnd front_end = Make();
+  AddPose(&front_end, 0);
+  AddImage(&front_end, 0);
+  front_end.AddSecondImage(
+      Stamp(0), [] { return cv::Mat(10, 12, CV_8UC1, cv::Scalar(0)); }, 120);
+  front_end.Flush();
+  EXPECT_EQ(keyframes_.size(), 1U);
+  EXPECT_EQ(front_end.counts().bad_images, 1);
+  ASSERT_EQ(problems_.size(), 1U);
+  EXPECT_NE(problems_[0].find("12 x 10 px"), std::string::npos) << problems_[0];
+}
+
+TEST_F(OdometryFrontEndTest, LevelsPosesAndPointsOfKeyframesThatWaited) {
+  const auto fly = [this](const Rigid3& T_N_W, GravityPolicy gravity) {
+    setup_.gravity = gravity;
+    OdometryFrontEnd front_end = Make();
+    for (int i = 0; i < 200; ++i) {
+      Rigid3 turn;  // once the wall has been passed, so that the level is told
+      turn.q = Eigen::AngleAxisd(i < 100 ? 0 : 2 * std::sin(0.1 * i), Eigen::Vector3d::UnitZ());
+      AddImage(&front_end, i);
+      front_end.AddPose(Stamp(i), T_N_W * turn * Pose(i));
+    }
+    front_end.Flush();
+    return keyframes_;
+  };
+  const auto expected = fly(Rigid3::Identity(), GravityPolicy::kGiven);
+  Rigid3 on_its_side;
+  on_its_side.q = Eigen::AngleAxisd(1.5, Eigen::Vector3d(0.6, 0.8, 0));
+  const auto found = fly(on_its_side, GravityPolicy::kEstimate);
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t k = 0; k < 20; ++k) {
+    const Rigid3 T_B_W = found[k].T_W_B.Inverse();
+    EXPECT_NEAR((found[k].T_W_B.q * Eigen::Vector3d::UnitZ()).z(), 1, 1e-6);
+    ASSERT_EQ(found[k].points.size(), expected[k].points.size());
+    for (std::size_t i = 0; i < found[k].points.size(); ++i) {
+      const Eigen::Vector3d p_B = expected[k].T_W_B.Inverse() * expected[k].points[i].p_W;
+      EXPECT_LT((T_B_W * found[k].points[i].p_W - p_B).norm(), 1e-6);
+    }
+  }
+}
+
+TEST_F(OdometryFrontEndTest, GivesUpKeyframesOfAWorldThatCannotBeLevelled) {
+  setup_.gravity = GravityPolicy::kEstimate;
+  OdometryFrontEnd front_end = Make();
+  Fly(&front_end, 0, 60);
+  front_end.Flush();
+  EXPECT_TRUE(keyframes_.empty());
+  EXPECT_EQ(front_end.counts().keyframes, 0);
+  ASSERT_EQ(problems_.size(), 1U);
+  EXPECT_NE(problems_[0].find("turned too little"), std::string::npos) << problems_[0];
+}
+
 }  // namespace
 }  // namespace deja_view

@@ -61,7 +61,8 @@ ReplayReport ReplayBag(const std::filesystem::path& bag,
 /// The same with the virtual views of another bag in place of the first one's; they are not read
 /// without `callbacks.on_virtual_view`. With `front_end`, keyframes are made of the images and the
 /// poses of `topics.odometry` (nav_msgs/Odometry, geometry_msgs/PoseStamped,
-/// PoseWithCovarianceStamped or TransformStamped), and only these are read.
+/// PoseWithCovarianceStamped or TransformStamped, or "tf:WORLD,BODY"), and only these are read.
+/// Throws UnusableFlight for poses whose world is not level where it ought to be.
 ReplayReport ReplayBag(const std::filesystem::path& bag,
                        const std::filesystem::path& virtual_bag,
                        const VioTopics& topics,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "deja_view/base/check.hpp"
 #include "deja_view/ros/messages/conversions.hpp"
 
 #include <optional>

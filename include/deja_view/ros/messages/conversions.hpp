@@ -1,5 +1,6 @@
 #pragma once
 
+#include "deja_view/camera/camera.hpp"
 #include "deja_view/geometry/rigid3.hpp"
 #include "deja_view/host/image_source.hpp"
 #include "deja_view/host/odometry_input.hpp"
@@ -42,6 +43,12 @@ std::vector<TrackedPoint> FromKeyframePoints(const sensor_msgs::PointCloud& mess
                                              const std::string& topic);
 
 RelativePoseUpdate FromRelativePose(const nav_msgs::Odometry& message, const std::string& topic);
+
+/// What FromOdometry and FromKeyframePoints read, in VINS-Mono's world.
+nav_msgs::Odometry ToOdometry(const StampedPose& pose);
+sensor_msgs::PointCloud ToKeyframePoints(std::int64_t stamp_ns,
+                                         const std::vector<TrackedPoint>& points,
+                                         const Camera& camera);
 
 /// `/pose_graph/match_points`: points with x, y normalised in the old image and z the feature id;
 /// the first channel has the old body's position, quaternion (w, x, y, z) and the current

@@ -6,6 +6,7 @@
 #include "deja_view/fusion/match_samples.hpp"
 #include "deja_view/host/topic_watch.hpp"
 #include "deja_view/io/vins_config.hpp"
+#include "deja_view/ros/messages/tf_poses.hpp"
 #include "deja_view/ros/messages/virtual_frame_conversion.hpp"
 #include "deja_view/ros/nodes/loop_publisher.hpp"
 #include "deja_view/ros/nodes/node_parameters.hpp"
@@ -13,6 +14,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -66,6 +68,8 @@ class LoopFusionNode {
   void OnKeyframePoints(const sensor_msgs::PointCloudConstPtr& message);
   void OnExtrinsic(const nav_msgs::OdometryConstPtr& message);
   void OnAnyPose(const topic_tools::ShapeShifter::ConstPtr& message);
+  void OnTransforms(const tf2_msgs::TFMessageConstPtr& message);
+  void OnStaticTransforms(const tf2_msgs::TFMessageConstPtr& message);
   void OnOdometry(const nav_msgs::OdometryConstPtr& message);
   void OnImuPropagate(const nav_msgs::OdometryConstPtr& message);
   void OnRelativePose(const nav_msgs::OdometryConstPtr& message);
@@ -92,6 +96,7 @@ class LoopFusionNode {
   LoopFusionOptions options_;
   MapDirectory maps_;
   std::vector<OutputLock> locks_;  ///< of what is written at the end
+  std::optional<TfPoses> tf_;      ///< where the odometry's poses are between two frames
   std::unique_ptr<LoopPublisher> publisher_;
   std::unique_ptr<LoopFusion> fusion_;
   // Guarded by LoopFusion::WithLoopCloser, as on_keyframe is.

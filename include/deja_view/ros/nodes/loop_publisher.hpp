@@ -32,7 +32,7 @@ class LoopPublisher {
   /// Loops, relocalisation, drift and match image of a keyframe; from the worker thread.
   void PublishKeyframe(const KeyframeInput& input,
                        const KeyframeReport& report,
-                       const LoopCloser& closer);
+                       const Rigid3& T_M_W);
 
   /// Corrected odometry, tf and camera pyramid, at the VIO's rate.
   void PublishOdometry(const nav_msgs::Odometry& message,

@@ -22,6 +22,7 @@ struct NodeParameters {
   std::string load_map_at_start;           ///< ~load_map_at_start: name of a map; empty: none
   std::string save_map_at_end;             ///< ~save_map_at_end: name of a map; empty: none
   HostKind host = HostKind::kVinsMono;     ///< ~host: vins_mono, vins_fusion, openvins or odometry
+  GravityPolicy gravity = GravityPolicy::kGiven;  ///< ~gravity: given or estimate
   /// ~topics/image, keyframe_pose, ...: empty ones are the host's, the image's the YAML's
   VioTopics topics;
   bool compressed_images = false;  ///< ~compressed_images: the image topic is a CompressedImage's
