@@ -17,6 +17,7 @@ int Run(int argc, char** argv) {
 #ifdef DEJA_VIEW_WITH_ROS
   deja_view::AddEvaluateCommand(app, &command);
 #endif
+  deja_view::AddPlacesCommand(app, &command);
   deja_view::AddReportCommand(app, &command);
   deja_view::AddSimulateCommand(app, &command);
 #endif

@@ -16,6 +16,7 @@ void AddCheckCommand(CLI::App& app, Command* command);
 void AddEvaluateCommand(CLI::App& app, Command* command);
 void AddMapCommand(CLI::App& app, Command* command);
 void AddNerfCommand(CLI::App& app, Command* command);
+void AddPlacesCommand(CLI::App& app, Command* command);
 void AddReplayCommand(CLI::App& app, Command* command);
 void AddReportCommand(CLI::App& app, Command* command);
 void AddSimulateCommand(CLI::App& app, Command* command);
