@@ -18,6 +18,7 @@ int Run(int argc, char** argv) {
   deja_view::AddEvaluateCommand(app, &command);
   deja_view::AddExplainCommand(app, &command);
 #endif
+  deja_view::AddPlacesCommand(app, &command);
   deja_view::AddReportCommand(app, &command);
   deja_view::AddSimulateCommand(app, &command);
 #endif

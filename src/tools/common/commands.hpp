@@ -18,6 +18,7 @@ void AddExplainCommand(CLI::App& app, Command* command);
 void AddKeyframesCommand(CLI::App& app, Command* command);
 void AddMapCommand(CLI::App& app, Command* command);
 void AddNerfCommand(CLI::App& app, Command* command);
+void AddPlacesCommand(CLI::App& app, Command* command);
 void AddReplayCommand(CLI::App& app, Command* command);
 void AddReportCommand(CLI::App& app, Command* command);
 void AddSimulateCommand(CLI::App& app, Command* command);
