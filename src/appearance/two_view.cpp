@@ -90,6 +90,7 @@ TwoViewResult CompareTwoViews(const Features& a, const Features& b, const TwoVie
                             pairs.b,
                             options.max_error_px / options.camera->FocalLength(),
                             options.confidence,
+                            options.max_iterations,
                             &mask);
   } else {
     internal::FindFundamental(

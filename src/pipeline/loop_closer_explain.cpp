@@ -36,7 +36,7 @@ PairExplanation::Attempt LoopCloserImpl::Attempt(int old,
 
 void LoopCloserImpl::Explain(const std::vector<Candidate>& candidates,
                              const NewKeyframe& current,
-                             KeyframeReport* report) const {
+                             KeyframeReport* report) {
   const int newest = keyframes_.newest();
   if (!question_ || question_->old < 0 || !IsMeant(question_->stamp_current_ns)) {
     return;
@@ -77,6 +77,7 @@ void LoopCloserImpl::Explain(const std::vector<Candidate>& candidates,
       pair.reason = loop.reason;
     }
   }
+  question_.reset();
 }
 
 }  // namespace deja_view

@@ -75,10 +75,10 @@ class LoopCloserImpl {
 
   /// Whether the newest keyframe is the one of the stamp.
   bool IsMeant(std::int64_t stamp_ns) const;
-  /// Answers what was asked of this pair of keyframes.
+  /// Answers what was asked of this pair of keyframes, and forgets the question.
   void Explain(const std::vector<Candidate>& candidates,
                const NewKeyframe& current,
-               KeyframeReport* report) const;
+               KeyframeReport* report);
   PairExplanation::Attempt Attempt(int old,
                                    const KeyframeFeatures& old_features,
                                    bool with_views,

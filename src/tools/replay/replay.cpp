@@ -59,7 +59,7 @@ void Play(const ReplayRequest& request,
       accepted += loop.accepted() ? 1 : 0;
     }
     AddLoopRows(report.loops, &result->loops);
-    if (report.explanation && !result->explanation) {
+    if (report.explanation) {
       result->explanation = report.explanation;
     }
     for (const LoopMatches& matches : report.matches) {

@@ -41,6 +41,7 @@ AppearancePlacesOptions ShortGap() {
   AppearancePlacesOptions options;
   options.min_gap = 8;
   options.island_gap = 1;
+  options.two_view.max_iterations = 100;  // of shifts, which anything finds
   return options;
 }
 

@@ -79,6 +79,19 @@ TEST(TwoView, MatchesMutuallyAndByRatio) {
   EXPECT_EQ(CompareTwoViews(a, b).matches, kPoints - 1);
 }
 
+TEST(TwoView, AShiftIsOneGeometry) {
+  const PinholeCamera camera = MakePinhole();
+  const Features a = TwoViews(camera).first;
+  Features b = a;
+  for (Keypoint& keypoint : b.keypoints) {
+    keypoint.x += 3;
+  }
+  EXPECT_GE(CompareTwoViews(a, b).inliers, kPoints - kStrays);
+  TwoViewOptions options;
+  options.camera = &camera;
+  EXPECT_GE(CompareTwoViews(a, b, options).inliers, kPoints - kStrays);
+}
+
 TEST(TwoView, NothingInCommon) {
   const PinholeCamera camera = MakePinhole();
   auto [a, b] = TwoViews(camera);

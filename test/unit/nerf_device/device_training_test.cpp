@@ -74,6 +74,7 @@ void ExpectSameRays(float depth_weight) {
     EXPECT_EQ(targets.data()[i].view, target.view);
     EXPECT_EQ(targets.data()[i].color, target.color);
     EXPECT_EQ(targets.data()[i].range, target.range);
+    EXPECT_EQ(targets.data()[i].backdrop, target.backdrop);
     EXPECT_NEAR(targets.data()[i].vignetting, target.vignetting, 1e-6F);
     EXPECT_EQ(rays.data()[i].jitter, ray.jitter);
     EXPECT_NEAR(rays.data()[i].end, ray.end, 1e-6F);

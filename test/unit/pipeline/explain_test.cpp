@@ -89,6 +89,18 @@ TEST(Explain, NamesTheFirstGateThatFails) {
   EXPECT_FALSE(readings.back().passes());
 }
 
+TEST(Explain, TellsThatALoopWaitsForOthers) {
+  const LoopReport& loop = FirstLoop(true);
+  LoopCloserOptions options = FlightOptions();
+  options.consistency.min_support = 1000;
+  options.consistency.min_support_join = 1000;
+  const auto [pair, loops] = ExplainIn(options, loop.stamp_current_ns, loop.stamp_old_ns);
+  ASSERT_TRUE(pair);
+  EXPECT_EQ(loops, 0U);
+  EXPECT_EQ(pair->real.verification.reason, RejectReason::kNone);
+  EXPECT_EQ(pair->reason, RejectReason::kInconsistent);
+}
+
 TEST(Explain, VerifiesAPairThatIsNoPlaceOrWasNotTried) {
   const sim::RecordedFlight& flight = SmallFlight(1);
   const std::vector<KeyframeInfo>& keyframes = DefaultOutcome().keyframes;
@@ -112,6 +124,11 @@ TEST(Explain, TellsNothingOfWhatIsNotThere) {
   EXPECT_FALSE(ExplainIn(FlightOptions(), b, a + 600).first) << "no keyframe of this stamp";
   EXPECT_FALSE(ExplainIn(FlightOptions(), a, b).first) << "the old one comes later";
   EXPECT_TRUE(ExplainIn(FlightOptions(), b, a + 600, 1000).first);
+  const std::int64_t within_ns = keyframes[6].stamp_ns - a;
+  const std::int64_t late_ns = keyframes[40].stamp_ns;
+  const auto pair = ExplainIn(FlightOptions(), late_ns, keyframes[6].stamp_ns, within_ns).first;
+  ASSERT_TRUE(pair);
+  EXPECT_EQ(pair->old, 5) << "the first that is near enough";
 }
 
 }  // namespace

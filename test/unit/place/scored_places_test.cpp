@@ -86,6 +86,20 @@ TEST(ScoredPlaces, ForgetsWhatIsRemoved) {
   EXPECT_NEAR(found[0].score, 1.0, 1e-6);
 }
 
+TEST(ScoredPlaces, OfEqualsTheOldestComeFirst) {
+  ScoredPlaces places({}, ScoredVocabulary());
+  std::mt19937_64 rng(5);
+  const BowVector bow = FewRandomWords(&rng);
+  for (const int id : {40, 7, 31, 22, 5, 60, 13, 50, 2, 9}) {
+    places.Add(id, bow, 0);
+  }
+  const auto found = places.Query(places.Weigh(bow), 45, 3);
+  ASSERT_EQ(found.size(), 3U);
+  EXPECT_EQ(found[0].id, 2);
+  EXPECT_EQ(found[1].id, 5);
+  EXPECT_EQ(found[2].id, 7);
+}
+
 TEST(ScoredPlaces, OptionsAreChecked) {
   ScoringOptions options;
   EXPECT_TRUE(options.Validate().empty());
