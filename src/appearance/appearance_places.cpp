@@ -2,6 +2,7 @@
 
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/parallel.hpp"
+#include "deja_view/base/requirements.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -23,22 +24,17 @@ double Since(Clock::time_point* start) {
 }  // namespace
 
 std::vector<std::string> AppearancePlacesOptions::Validate() const {
-  std::vector<std::string> violations = two_view.Validate();
-  const std::vector<std::string> of_database = database.Validate();
-  violations.insert(violations.end(), of_database.begin(), of_database.end());
-  const auto at_least = [&](const char* name, int value, int least) {
-    if (value < least) {
-      violations.push_back(fmt::format("{}: {}, expected at least {}", name, value, least));
-    }
-  };
-  at_least("min_gap", min_gap, 1);
-  at_least("max_results", max_results, 1);
-  at_least("island_gap", island_gap, 1);
-  at_least("max_islands", max_islands, 1);
-  at_least("consistency", consistency, 0);
-  at_least("consistency_gap", consistency_gap, 1);
-  at_least("threads", threads, 0);
-  return violations;
+  Requirements r;
+  r.Group("two_view", two_view.Validate());
+  r.Group("database", database.Validate());
+  r.That(min_gap >= 1, "min_gap", min_gap, "at least 1");
+  r.That(max_results >= 1, "max_results", max_results, "at least 1");
+  r.That(island_gap >= 1, "island_gap", island_gap, "at least 1");
+  r.That(max_islands >= 1, "max_islands", max_islands, "at least 1");
+  r.That(consistency >= 0, "consistency", consistency, "at least 0");
+  r.That(consistency_gap >= 1, "consistency_gap", consistency_gap, "at least 1");
+  r.That(threads >= 0, "threads", threads, "at least 0");
+  return r.errors();
 }
 
 std::vector<PlaceIsland> GroupIslands(std::vector<PlaceMatch> matches, int island_gap) {

@@ -1,6 +1,7 @@
 #include "deja_view/appearance/two_view.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/requirements.hpp"
 #include "deja_view/features/hamming_matcher.hpp"
 
 #include <algorithm>
@@ -57,18 +58,14 @@ PointPairs Undistort(const PointPairs& pixels, const Camera& camera) {
 }  // namespace
 
 std::vector<std::string> TwoViewOptions::Validate() const {
-  std::vector<std::string> violations;
-  const auto expect = [&](bool holds, const char* text) {
-    if (!holds) {
-      violations.emplace_back(text);
-    }
-  };
-  expect(max_distance >= 1 && max_distance <= 256, "max_distance: expected 1 to 256");
-  expect(max_ratio > 0 && max_ratio <= 1, "max_ratio: expected above 0, at most 1");
-  expect(max_error_px > 0 && std::isfinite(max_error_px), "max_error_px: expected above 0");
-  expect(confidence > 0 && confidence < 1, "confidence: expected between 0 and 1");
-  expect(max_iterations >= 1, "max_iterations: expected at least 1");
-  return violations;
+  Requirements r;
+  r.Range("max_distance", max_distance, 1, 256);
+  r.That(max_ratio > 0 && max_ratio <= 1, "max_ratio", max_ratio, "more than 0, at most 1");
+  r.That(
+      max_error_px > 0 && std::isfinite(max_error_px), "max_error_px", max_error_px, "more than 0");
+  r.That(confidence > 0 && confidence < 1, "confidence", confidence, "between 0 and 1");
+  r.That(max_iterations >= 1, "max_iterations", max_iterations, "at least 1");
+  return r.errors();
 }
 
 TwoViewResult CompareTwoViews(const Features& a, const Features& b, const TwoViewOptions& options) {

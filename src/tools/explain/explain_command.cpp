@@ -2,6 +2,7 @@
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/output_lock.hpp"
 #include "deja_view/lab/report/matches.hpp"
+#include "deja_view/lab/report/svg.hpp"
 
 #include <iostream>
 #include <memory>
@@ -60,14 +61,6 @@ report::MatchedLoop FirstMatches(const PairExplanation& pair) {
   return loop;
 }
 
-std::string Escaped(const std::string& text) {
-  std::string html;
-  for (const char c : text) {
-    html += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : std::string(1, c);
-  }
-  return html;
-}
-
 void WritePage(const ExplainRequest& request,
                const PairExplanation& pair,
                const std::vector<std::string>& lines) {
@@ -91,7 +84,7 @@ void WritePage(const ExplainRequest& request,
       "<style>body{font:15px/1.5 system-ui,sans-serif;max-width:1100px;margin:2em auto;padding:0 "
       "1em}svg{max-width:100%;height:auto}</style></head><body>\n<pre>";
   for (const std::string& line : lines) {
-    html += Escaped(line) + "\n";
+    html += report::EscapeXml(line) + "\n";
   }
   html += "</pre>\n";
   html += report::MatchFigure(inliers, pictures, std::string("Inliers of the best pose"));
