@@ -208,13 +208,38 @@ int LoopConsistency::CountWitnesses(const std::vector<std::size_t>& entries,
   return static_cast<int>(witnesses.size());
 }
 
+// A drone that stands sees the world from one point, but a map may have seen the same from many.
+bool LoopConsistency::DoMapsPlacesSuffice(const std::vector<std::size_t>& entries,
+                                          const PoseGraph& graph) const {
+  const PoseGraphLoop& newest = entries_.back().loop;
+  if (!Node(graph, newest.from).is_fixed) {
+    return false;
+  }
+  const Eigen::Vector3d newest_place = Node(graph, newest.from).T_M_B().t;
+  std::vector<Eigen::Vector3d> places;
+  double span_m = 0;
+  for (const std::size_t i : entries) {
+    const Eigen::Vector3d place = Node(graph, entries_[i].loop.from).T_M_B().t;
+    const double near = options_.same_place_over_depth * entries_[i].loop.scene_depth;
+    if (std::none_of(places.begin(), places.end(), [&](const Eigen::Vector3d& other) {
+          return (place - other).norm() < near;
+        })) {
+      places.push_back(place);
+      span_m = std::max(span_m, (place - newest_place).norm());
+    }
+  }
+  return static_cast<int>(places.size()) >= options_.min_support_join &&
+         span_m >= options_.min_span_over_depth * newest.scene_depth;
+}
+
 // The newest loop joins two worlds together with those that agree with it, or waits.
 std::vector<LoopConsistency::Entry> LoopConsistency::Join(const PoseGraph& graph) {
   const Evidence evidence = Gather(entries_.back(), graph);
   const PoseGraphLoop& newest = entries_.back().loop;
   const int support = CountWitnesses(evidence.agreeing, graph);
-  if (support < options_.min_support_join ||
-      evidence.span_m < options_.min_span_over_depth * newest.scene_depth ||
+  const bool is_spread = evidence.span_m >= options_.min_span_over_depth * newest.scene_depth ||
+                         DoMapsPlacesSuffice(evidence.agreeing, graph);
+  if (support < options_.min_support_join || !is_spread ||
       CountWitnesses(evidence.rivals, graph) > options_.max_rival_ratio * support) {
     return {};
   }

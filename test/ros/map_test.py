@@ -12,9 +12,11 @@ import tempfile
 import time
 import unittest
 
+import rosbag
+
 TOOL, FLIGHT = sys.argv[1:3]
 BAG, CAMERA = os.path.join(FLIGHT, "flight.bag"), os.path.join(FLIGHT, "camera.yaml")
-STAGES = ["bundle", "field", "field_quality", "loops", "views", "map"]
+STAGES = ["bundle", "field", "field_quality", "loops", "views", "map", "gain"]
 
 
 class MapTest(unittest.TestCase):
@@ -42,6 +44,7 @@ class MapTest(unittest.TestCase):
         for name in ("map.dvm", "field.dvn", "views.bag", "bundle/poses.txt", "map.json", "map.html"):
             self.assertTrue(os.path.exists(os.path.join(self.out, name)), name)
         self.assertGreater(figures["map"]["places"], 0)
+        self.check_gain(figures)
         self.check_page(figures)
         self.assertEqual(figures["field"]["steps"], 61)
         self.assertEqual(self.stages(self.map().stderr, "as it was"), STAGES)
@@ -58,10 +61,27 @@ class MapTest(unittest.TestCase):
         self.map("--preset", "paper")
 
         os.remove(os.path.join(self.out, "map.dvm"))
-        self.assertEqual(self.stages(self.map("--preset", "paper").stderr, "begins"), ["map"])
+        self.assertEqual(self.stages(self.map("--preset", "paper").stderr, "begins"), STAGES[5:])
 
         os.remove(os.path.join(self.out, "field.dvn"))
         self.assertEqual(self.stages(self.map("--preset", "paper").stderr, "begins"), STAGES[1:])
+
+    def check_gain(self, figures):
+        """The second half of the flight on a map of the first: no part of either is in both."""
+        gain, whole = figures["gain"], figures["loops"]
+        self.assertGreater(gain["places"], 0)
+        self.assertLess(gain["places"], whole["places"])
+        self.assertAlmostEqual(gain["keyframes"], whole["keyframes"] / 2, delta=0.1 * whole["keyframes"])
+        self.assertLessEqual(gain["found_without_views"], gain["keyframes"])
+
+    def test_writes_the_flight_with_its_views(self):
+        bag = os.path.join(os.path.dirname(self.out), "flight_views.bag")
+        figures = json.loads(self.map("--bag-out", bag).stdout)
+        with rosbag.Bag(bag) as written, rosbag.Bag(BAG) as flight:
+            views = [message for _, message, _ in written.read_messages("/virtual_cam0/frame")]
+            self.assertEqual(written.get_message_count("/cam0/image_raw"), flight.get_message_count("/cam0/image_raw"))
+        self.assertEqual(len(views), figures["views"]["views"])
+        self.assertTrue(all(view.image and view.u for view in views))
 
     def check_page(self, figures):
         """A field of 60 steps is a bad one, and is told to be."""

@@ -19,7 +19,8 @@ struct LoopConsistencyOptions {
   double max_support_ratio = 0.34;  ///< contradicting over agreeing loops
   // Loops that join two worlds have nothing but each other: repeated structure gives many that
   // agree, but from one stretch of the flight, or with rivals.
-  double min_span_over_depth = 0.3;  ///< of the flight over which they must spread
+  /// Of the flight over which they must spread; or of a map's places, `min_support_join` of them.
+  double min_span_over_depth = 0.3;
   /// Loops whose both ends lie within this see the same two places: they are one witness.
   double same_place_over_depth = 0.02;
   double max_rival_ratio = 0.5;  ///< joining: rivals (believed or not) over agreeing loops
@@ -112,6 +113,8 @@ class LoopConsistency {
   std::vector<Entry> Join(const PoseGraph& graph);
   /// Entries that do not see the same two places as another of them.
   int CountWitnesses(const std::vector<std::size_t>& entries, const PoseGraph& graph) const;
+  /// True when the `entries` are loops with enough places of a map, far enough from each other.
+  bool DoMapsPlacesSuffice(const std::vector<std::size_t>& entries, const PoseGraph& graph) const;
   std::vector<Entry> Judge(const PoseGraphLoop& loop, const PoseGraph& graph);
   /// Those of `entries` that most of the others do not contradict.
   std::vector<std::size_t> AgreeingAmongThemselves(const std::vector<std::size_t>& entries,

@@ -25,6 +25,8 @@ void AddMapCommand(CLI::App& app, Command* command) {
   AddHostOptions(sub, &request->host);
   sub->add_option("--out", request->out, "Directory for map.dvm, field.dvn and what they rest on")
       ->required();
+  sub->add_option(
+      "--bag-out", request->bag_out, "Bag for the flight with its views on /virtual_cam0/frame");
   sub->add_option("--budget-s", request->budget_s, "Wall time in all [s]")
       ->check(CLI::Range(60.0, 1e6))
       ->capture_default_str();

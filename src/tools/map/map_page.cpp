@@ -72,6 +72,14 @@ std::string Table(const Json& map) {
       fmt::format("{} of {}", count(without, "keyframes_with_loop"), count(without, "keyframes")),
       "");
   html += Row("with them", count(with, "keyframes_with_loop"), "");
+  const Json& gain = map["gain"];
+  html += Row(
+      "the flight's second half on a map of its first, without views",
+      fmt::format("{} of {}", count(gain, "found_without_views"), count(gain, "keyframes")),
+      fmt::format("keyframes that found one of its {} places", count(gain, "places")));
+  html += Row("with them",
+              fmt::format("{} of {}", count(gain, "found_with_views"), count(gain, "keyframes")),
+              "");
   html += Row("memory of the map", fmt::format("{:.1f} MB", Number(with, "core_memory_mb")), "");
   html += Row("took",
               fmt::format("{:.0f} s", Number(map, "wall_s")),

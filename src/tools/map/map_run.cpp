@@ -127,6 +127,8 @@ class MapMaker {
     interrupt_.Check();
     json["views"] = Render();
     json["map"] = Save();
+    interrupt_.Check();
+    json["gain"] = Compare(json["loops"]["duration_s"].get<double>());
     json["cpu_s"] = CpuSeconds();
     json["wall_s"] = SecondsSince(start_);
     json["peak_rss_mb"] = PeakRssMb();
@@ -157,7 +159,10 @@ class MapMaker {
         found.insert(loop.current);
       }
     }
+    const std::int64_t first_ns = result.keyframes.front().stamp_ns;
+    const std::int64_t last_ns = result.keyframes.back().stamp_ns;
     return {{"keyframes", result.keyframes.size()},
+            {"duration_s", 1e-9 * static_cast<double>(last_ns - first_ns)},
             {"places", result.places},
             {"loops", accepted},
             {"keyframes_with_loop", found.size()},
@@ -166,6 +171,11 @@ class MapMaker {
   }
 
   std::filesystem::path path(const std::string& name) const { return request_.out / name; }
+
+  /// With features alone, unless the flight with its views was asked for.
+  std::filesystem::path ViewsBag() const {
+    return request_.bag_out.empty() ? path("views.bag") : request_.bag_out;
+  }
 
   Json CloseLoops() {
     const std::string settings = fmt::format("{}", fmt::join(request_.overrides, "\n"));
@@ -257,9 +267,11 @@ class MapMaker {
 
   Json Render() {
     const bool is_file = std::filesystem::is_regular_file(request_.preset);
-    const std::string settings =
+    const std::string preset =
         is_file ? fmt::format("{:016x}", Hash64OfFile(request_.preset)) : request_.preset;
-    return stages_.Run("views", settings, path("views.bag"), [&] {
+    const bool are_apart = request_.bag_out.empty();
+    const std::string settings = fmt::format("{} {}", preset, request_.bag_out.string());
+    return stages_.Run("views", settings, ViewsBag(), [&] {
       ViewsRenderRequest views;
       views.input.flight.bag = request_.bag;
       views.input.flight.camera = request_.camera;
@@ -270,9 +282,9 @@ class MapMaker {
       views.input.places = path("flight/places.txt");
       views.input.threads = request_.threads;
       views.input.show_progress = request_.show_progress;
-      views.content = "features";
-      views.views_only = true;
-      views.out = path("views.bag");
+      views.content = are_apart ? "features" : "both";
+      views.views_only = are_apart;
+      views.out = ViewsBag();
       return RunViewsRender(views);
     });
   }
@@ -280,11 +292,44 @@ class MapMaker {
   Json Save() {
     return stages_.Run("map", "", path("map.dvm"), [&] {
       ReplayRequest replay = Replay();
-      replay.virtual_bag = path("views.bag");
+      replay.virtual_bag = ViewsBag();
       replay.save_map = request_.out;
       replay.out = path("flight_with_views");
       return Figures(RunReplay(replay));
     });
+  }
+
+  /// What the views are worth to another flight: the second half of this one, on a map of the first.
+  Json Compare(double duration_s) {
+    return stages_.Run("gain", "", path("first_half/map.dvm"), [&] {
+      ReplayRequest half = Replay();
+      half.duration_s = duration_s / 2;
+      half.virtual_bag = ViewsBag();
+      half.save_map = path("first_half");
+      Json figures = {{"places", RunReplay(half).places}};
+      for (const bool with_views : {false, true}) {
+        ReplayRequest other = Replay();
+        other.start_s = duration_s / 2;
+        other.load_map = path("first_half");
+        other.overrides.emplace_back("add_places=false");
+        other.use_virtual_views = with_views;
+        const ReplayResult result = RunReplay(other);
+        figures["keyframes"] = result.keyframes.size() - result.map_keyframes;
+        figures[with_views ? "found_with_views" : "found_without_views"] = FoundInMap(result);
+      }
+      return figures;
+    });
+  }
+
+  /// Keyframes of the flight that found a place of the map.
+  static std::size_t FoundInMap(const ReplayResult& result) {
+    std::set<int> found;
+    for (const LoopReport& loop : result.loops) {
+      if (loop.accepted() && loop.old < result.map_keyframes) {
+        found.insert(loop.current);
+      }
+    }
+    return found.size();
   }
 
   Interrupt interrupt_;  // before any stage starts threads

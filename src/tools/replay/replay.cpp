@@ -8,6 +8,7 @@
 #include "deja_view/io/vins_config.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "common/problem_lines.hpp"
 #include "common/shared_files.hpp"
@@ -45,15 +46,39 @@ void DivideTimes(int count, ReplayResult* result) {
   }
 }
 
+/// The part of a flight that is asked for.
+class FlightPart {
+ public:
+  explicit FlightPart(const ReplayRequest& request)
+      : start_s_(request.start_s),
+        end_s_(request.duration_s > 0 ? request.start_s + request.duration_s
+                                      : std::numeric_limits<double>::infinity()) {}
+
+  bool Holds(std::int64_t stamp_ns) {
+    first_ns_ = first_ns_.value_or(stamp_ns);
+    const double since_s = 1e-9 * static_cast<double>(stamp_ns - *first_ns_);
+    return since_s >= start_s_ && since_s < end_s_;
+  }
+
+ private:
+  double start_s_;
+  double end_s_;
+  std::optional<std::int64_t> first_ns_;
+};
+
 void Play(const ReplayRequest& request,
           const LoopFusionOptions& options,
           LoopCloser* closer,
           ReplayResult* result) {
   Progress progress("replay", "messages", 0);
   int accepted = 0;
+  FlightPart part(request);
   ReplayCallbacks callbacks;
   callbacks.on_extrinsic = [&](const Rigid3& T_B_C) { closer->SetExtrinsic(T_B_C); };
   callbacks.on_keyframe = [&](const KeyframeInput& input) {
+    if (!part.Holds(input.stamp_ns)) {
+      return;
+    }
     const KeyframeReport report = closer->AddKeyframe(input);
     for (const LoopReport& loop : report.loops) {
       accepted += loop.accepted() ? 1 : 0;
@@ -70,9 +95,11 @@ void Play(const ReplayRequest& request,
     }
     AddTimes(report.times, result);
   };
-  callbacks.on_relative_pose = [&](const RelativePoseUpdate& update) {
-    closer->UpdateLoop(update.current, update.T_Bold_Bcurrent);
-  };
+  if (request.start_s == 0) {  // they count the keyframes from the first
+    callbacks.on_relative_pose = [&](const RelativePoseUpdate& update) {
+      closer->UpdateLoop(update.current, update.T_Bold_Bcurrent);
+    };
+  }
   if (request.use_virtual_views) {
     callbacks.on_virtual_view = [&](const VirtualView& view) { closer->AddVirtualView(view); };
     callbacks.sufficient_features = options.loop_closer.SufficientViewFeatures();

@@ -98,6 +98,10 @@ void AddInputOptions(CLI::App* sub, ReplayRequest* request) {
   sub->add_option(
       "--map-groundtruth", request->map_groundtruth, "True body poses of the loaded map");
   sub->add_option("--load-map", request->load_map, "Directory of a saved map to start from");
+  sub->add_option("--start", request->start_s, "Seconds of the flight to leave out")
+      ->check(CLI::NonNegativeNumber);
+  sub->add_option("--duration", request->duration_s, "Seconds of the flight to use; 0: all")
+      ->check(CLI::NonNegativeNumber);
 }
 
 /// Options that set options of the loop closer, and what is judged.
