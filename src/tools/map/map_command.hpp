@@ -27,8 +27,8 @@ struct MapRequest {
 /// Makes a map that knows the place better than the flight did, from the flight alone: adjusts its
 /// poses with the loops that it finds, trains a field on them, renders views of the map's places,
 /// and saves the map with its views as `out`/map.dvm, the field as field.dvn, the adjusted poses as
-/// bundle/poses.txt, the views as views.bag, `map.json`, and a page that shows it all, map.html. What
-/// the views are worth is tried on the flight itself: its second half on a map of the first.
+/// bundle/poses.txt, the views as views.bag, `map.json`, and a page that shows it all, map.html.
+/// What the views are worth is tried on the flight itself: its second half on a map of the first.
 /// Each stage is kept with a hash of what it was made from and is not run again while that is the
 /// same; a training that was interrupted goes on. Returns `bundle, field, field_quality, loops,
 /// views, map, gain, cpu_s, wall_s, peak_rss_mb`, the stages' figures. Throws InputError, naming

@@ -73,10 +73,9 @@ std::string Table(const Json& map) {
       "");
   html += Row("with them", count(with, "keyframes_with_loop"), "");
   const Json& gain = map["gain"];
-  html += Row(
-      "the flight's second half on a map of its first, without views",
-      fmt::format("{} of {}", count(gain, "found_without_views"), count(gain, "keyframes")),
-      fmt::format("keyframes that found one of its {} places", count(gain, "places")));
+  html += Row("the flight's second half on a map of its first, without views",
+              fmt::format("{} of {}", count(gain, "found_without_views"), count(gain, "keyframes")),
+              fmt::format("keyframes that found one of its {} places", count(gain, "places")));
   html += Row("with them",
               fmt::format("{} of {}", count(gain, "found_with_views"), count(gain, "keyframes")),
               "");

@@ -299,7 +299,8 @@ class MapMaker {
     });
   }
 
-  /// What the views are worth to another flight: the second half of this one, on a map of the first.
+  /// What the views are worth to another flight: the second half of this one, on a map of the
+  /// first.
   Json Compare(double duration_s) {
     return stages_.Run("gain", "", path("first_half/map.dvm"), [&] {
       ReplayRequest half = Replay();

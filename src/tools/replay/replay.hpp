@@ -40,10 +40,10 @@ struct ReplayRequest {
   std::filesystem::path load_map;
   std::filesystem::path save_map;
   std::filesystem::path out;
-  std::vector<std::string> overrides;        ///< "group.key=value" on top of the config
-  double start_s = 0;     ///< of the flight that is used, after its first keyframe
-  double duration_s = 0;  ///< 0: to its end
-  bool use_virtual_views = true;             ///< the bag's /virtual_cam0/frame and the loaded map's
+  std::vector<std::string> overrides;  ///< "group.key=value" on top of the config
+  double start_s = 0;                  ///< of the flight that is used, after its first keyframe
+  double duration_s = 0;               ///< 0: to its end
+  bool use_virtual_views = true;       ///< the bag's /virtual_cam0/frame and the loaded map's
   std::optional<RevisitLimits> map_revisit;  ///< of a loaded map's places; default: as everywhere
   std::optional<AskedPair> pair;             ///< to be explained
   bool show_progress = true;
