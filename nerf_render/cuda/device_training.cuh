@@ -42,9 +42,6 @@ class DeviceTraining {
     out->d_exposure = work_->d_exposure.Download();
     CarryToColor(out);
     CarryToDensity();
-    if (options_.refine_poses) {
-      CarryToPoses(out);
-    }
     return sums;
   }
 
@@ -86,7 +83,6 @@ class DeviceTraining {
     DeviceTracer<System> tracer;
     DeviceArray<System, RayTarget> targets;
     DeviceArray<System, GainBias> d_exposure;
-    DeviceArray<System, PoseGradient> d_pose;
     DeviceArray<System, float> squared_error, d_weight, d_raw, d_color, d_background, d_latent;
     DeviceArray<System, float> rows, d_out, d_rows, d_appearance;
     BackwardRows<System> scratch;
@@ -189,22 +185,6 @@ class DeviceTraining {
                             density_.gradient.data(),
                             work_->d_rows.data());
     geometry_.Add(field_.geometry, work_->tracer.places(), work_->d_rows.data(), stride, samples);
-  }
-
-  // Behind CarryToColor and CarryToDensity, whose derivatives of features it takes.
-  void CarryToPoses(RayGradients* out) {
-    work_->d_pose.Resize(work_->tracer.ray_count());
-    PoseGradients gradients;
-    gradients.rays = work_->tracer.rays.data();
-    gradients.ray_begin = work_->tracer.ray_begin.data();
-    gradients.t = work_->tracer.t.data();
-    gradients.places = work_->tracer.places();
-    gradients.geometry = {field_.geometry.view(), work_->d_rows.data(), field_.density.inputs()};
-    gradients.appearance = {
-        field_.appearance.view(), work_->d_appearance.data(), field_.color.inputs()};
-    gradients.out = work_->d_pose.data();
-    ForEach<System>(work_->tracer.ray_count(), gradients);
-    out->d_pose = work_->d_pose.Download();
   }
 
   TrainOptions options_;

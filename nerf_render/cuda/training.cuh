@@ -2,7 +2,6 @@
 
 #include "field_views.cuh"
 #include "loss_of_ray.hpp"
-#include "place_gradient.hpp"
 #include "ray_march.hpp"
 
 // What training does to rays and their samples, beside grids.cuh and layers.cuh.
@@ -48,48 +47,6 @@ struct SumLatents {
       sum += d_rows[s * stride + column + index % latent_size];
     }
     out[index] = sum;
-  }
-};
-
-/// Derivatives of the features that samples read from one grid.
-struct FeatureGradient {
-  GridView grid;
-  const float* d_rows = nullptr;
-  std::size_t stride = 0;
-
-  DEJA_VIEW_HOST_DEVICE void AddTo(std::size_t s,
-                                   const std::array<float, 3>& place,
-                                   std::array<float, 3>* d_place) const {
-    for (std::size_t l = 0; l < grid.level_count; ++l) {
-      const GridLevel& level = grid.levels[l];
-      AddSlopes(level,
-                grid.values + level.offset,
-                place,
-                d_rows + s * stride + l * grid.features,
-                d_place);
-    }
-  }
-};
-
-/// Index: ray. ComputePoseGradients.
-struct PoseGradients {
-  const Ray* rays = nullptr;
-  const std::size_t* ray_begin = nullptr;
-  const float* t = nullptr;
-  PlaceArrays places;
-  FeatureGradient geometry;
-  FeatureGradient appearance;
-  PoseGradient* out = nullptr;
-
-  DEJA_VIEW_HOST_DEVICE void operator()(std::size_t ray) const {
-    PoseGradient pose{};
-    for (std::size_t s = ray_begin[ray]; s < ray_begin[ray + 1]; ++s) {
-      std::array<float, 3> d_place{};
-      geometry.AddTo(s, places[s], &d_place);
-      appearance.AddTo(s, places[s], &d_place);
-      AddToPose(rays[ray], t[s], d_place, &pose);
-    }
-    out[ray] = pose;
   }
 };
 

@@ -84,9 +84,6 @@ StepSums CpuWorker::RunChunk(const StepPlan& plan,
   Backpropagate(field_, kernels_, tools->loss, &tools->trace, &tools->scratch, &gradients_[c]);
   images->d_exposure = tools->loss.d_exposure;
   images->d_latent = gradients_[c].latent;
-  if (options_.refine_poses) {
-    ComputePoseGradients(field_, tools->rays, tools->trace, gradients_[c], &images->d_pose);
-  }
   return {tools->trace.evaluated,
           tools->trace.size(),
           tools->loss.squared_error,

@@ -108,8 +108,7 @@ struct ImageState {
 struct RayGradients {
   std::vector<RayTarget> targets;
   std::vector<GainBias> d_exposure;
-  std::vector<float> d_latent;               ///< rays x latent_size
-  std::vector<std::array<float, 6>> d_pose;  ///< PoseGradient; empty unless poses are refined
+  std::vector<float> d_latent;  ///< rays x latent_size
 };
 
 /// A card with one field in its memory. All calls throw DeviceError; after a DeviceMemoryError the

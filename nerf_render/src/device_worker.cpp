@@ -113,7 +113,6 @@ StepSums DeviceWorker::AddRays(const StepPlan& plan, std::vector<ImageGradient>*
     image.targets = std::move(gradients.targets);
     image.d_exposure = std::move(gradients.d_exposure);
     image.d_latent = std::move(gradients.d_latent);
-    image.d_pose = std::move(gradients.d_pose);
     images->push_back(std::move(image));
   }
   return sums;

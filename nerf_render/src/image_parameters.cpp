@@ -9,8 +9,6 @@ namespace deja_view::nerf::internal {
 namespace {
 
 constexpr float kVignettingRate = 4;  ///< of a gain's: it is multiplied by numbers well below 1
-constexpr double kPoseStart = 0.2;    ///< of the training: before, the field knows no better
-constexpr int kPoseInterval = 16;     ///< steps between updates, since one has few rays per image
 
 // Adam's kernels work on multiples of 16.
 std::size_t Padded(std::size_t size) {
@@ -57,11 +55,9 @@ ImageParameters::ImageParameters(const TrainOptions& options,
       exposure_(Padded(2 * views.size()), 0.0F),
       vignetting_(Padded(field->vignetting.k.size()), 0.0F),
       latent_(Padded(views.size() * static_cast<std::size_t>(options.field.latent_size)), 0.0F),
-      pose_(Padded(6 * views.size()), 0.0F),
       exposure_adam_(exposure_.size()),
       vignetting_adam_(vignetting_.size()),
-      latent_adam_(latent_.size()),
-      pose_adam_(pose_.size()) {
+      latent_adam_(latent_.size()) {
   std::map<std::string, Exposure> known;
   for (const Exposure& exposure : field->exposures) {
     known[exposure.image] = exposure;
@@ -83,9 +79,8 @@ ImageParameters::ImageParameters(const TrainOptions& options,
               exposure.latent.end(),
               latent_.begin() + static_cast<std::ptrdiff_t>(v * size));
     field->exposures.push_back(std::move(exposure));
-    given_.push_back(views[v].T_N_C);
+    T_N_C_.push_back(views[v].T_N_C);
   }
-  T_N_C_ = given_;
   std::copy(field->vignetting.k.begin(), field->vignetting.k.end(), vignetting_.begin());
 }
 
@@ -97,7 +92,6 @@ const float* ImageParameters::latent(std::size_t view) const {
 void ImageParameters::Update(const Kernels& kernels,
                              const std::vector<ImageGradient>& chunks,
                              float rate,
-                             double progress,
                              RadianceField* field) {
   const auto size = static_cast<std::size_t>(options_.field.latent_size);
   for (const ImageGradient& chunk : chunks) {
@@ -115,16 +109,10 @@ void ImageParameters::Update(const Kernels& kernels,
       for (std::size_t i = 0; i < size; ++i) {
         latent_adam_.gradient[v * size + i] += chunk.d_latent[r * size + i];
       }
-      for (std::size_t i = 0; i < 6 && !chunk.d_pose.empty() && progress > kPoseStart; ++i) {
-        pose_adam_.gradient[6 * v + i] += chunk.d_pose[r][i];
-      }
     }
   }
   UpdateExposures(kernels, rate, field);
   UpdateLatents(kernels, rate, field);
-  if (options_.refine_poses && progress > kPoseStart && ++pose_steps_ % kPoseInterval == 0) {
-    UpdatePoses(kernels, rate, field->box.Size());
-  }
 }
 
 void ImageParameters::UpdateExposures(const Kernels& kernels, float rate, RadianceField* field) {
@@ -154,18 +142,6 @@ void ImageParameters::UpdateLatents(const Kernels& kernels, float rate, Radiance
   Center(views_, size, &latent_);
   for (std::size_t v = 0; v < views_; ++v) {
     std::copy_n(latent(v), size, field->exposures[v].latent.begin());
-  }
-}
-
-void ImageParameters::UpdatePoses(const Kernels& kernels, float rate, double box_size) {
-  AdamUpdate(kernels, rate * options_.pose_learning_rate, &pose_adam_, &pose_);
-  // The frame of the poses is not for the images to choose.
-  Center(views_, 6, &pose_);
-  for (std::size_t v = 0; v < views_; ++v) {
-    const Eigen::Matrix<double, 6, 1> x =
-        Eigen::Map<const Eigen::Matrix<float, 6, 1>>(pose_.data() + 6 * v).cast<double>();
-    T_N_C_[v].q = (ExpSo3(x.tail<3>()) * given_[v].q).normalized();
-    T_N_C_[v].t = given_[v].t + box_size * x.head<3>();
   }
 }
 

@@ -5,7 +5,6 @@
 
 #include <vector>
 
-#include "pose_gradient.hpp"
 #include "ray_loss.hpp"
 
 namespace deja_view::nerf::internal {
@@ -21,10 +20,9 @@ struct ImageGradient {
   std::vector<RayTarget> targets;
   std::vector<GainBias> d_exposure;  ///< per ray
   std::vector<float> d_latent;       ///< rays x latent_size
-  std::vector<PoseGradient> d_pose;  ///< per ray, or empty
 };
 
-/// What is trained beside the field: gain, bias, latent and pose of every image, and the lens'
+/// What is trained beside the field: gain, bias and latent of every image, and the lens'
 /// vignetting.
 class ImageParameters {
  public:
@@ -38,32 +36,26 @@ class ImageParameters {
   const float* latent(std::size_t view) const;
   const Rigid3& T_N_C(std::size_t view) const { return T_N_C_[view]; }
 
-  /// One step of Adam at `rate` times the options' learning rates; `progress` as Trainer::Step.
+  /// One step of Adam at `rate` times the options' learning rates.
   void Update(const Kernels& kernels,
               const std::vector<ImageGradient>& chunks,
               float rate,
-              double progress,
               RadianceField* field);
 
  private:
   void UpdateExposures(const Kernels& kernels, float rate, RadianceField* field);
   void UpdateLatents(const Kernels& kernels, float rate, RadianceField* field);
-  void UpdatePoses(const Kernels& kernels, float rate, double box_size);
 
   TrainOptions options_;
   std::size_t views_;
   std::vector<GainBias> gain_bias_;
-  std::vector<Rigid3> given_;  ///< poses before any correction
   std::vector<Rigid3> T_N_C_;
   std::vector<float> exposure_;    ///< per view: logarithm of the gain, bias
   std::vector<float> vignetting_;  ///< three, padded
   std::vector<float> latent_;      ///< per view
-  std::vector<float> pose_;        ///< per view: shift [unit], rotation vector [rad]
-  int pose_steps_ = 0;
   DenseAdam exposure_adam_;
   DenseAdam vignetting_adam_;
   DenseAdam latent_adam_;
-  DenseAdam pose_adam_;
 };
 
 }  // namespace deja_view::nerf::internal

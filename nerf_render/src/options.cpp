@@ -61,7 +61,6 @@ std::vector<std::string> TrainOptions::Validate() const {
   r.Range("final_depth_share", final_depth_share, 0.0F, 0.9F);
   r.Range("carve_votes", carve_votes, 0, 255);
   r.Range("distortion_weight", distortion_weight, 0.0F, 1e3F);
-  r.Range("pose_learning_rate", pose_learning_rate, 0.0F, 1.0F);
   r.Range("warmup_steps", warmup_steps, 0, 1 << 24);
   r.Range("occupancy_threshold", occupancy_threshold, 1e-6F, 0.9F);
   r.Range("occupancy_interval", occupancy_interval, 1, 1 << 24);

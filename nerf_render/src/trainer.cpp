@@ -67,7 +67,7 @@ class Trainer::Impl {
     const auto rate =
         static_cast<float>(std::pow(static_cast<double>(options_.final_learning_rate), decay));
     worker_->UpdateField(rate);
-    image_parameters_.Update(kernels_, images_, rate, progress, &field_);
+    image_parameters_.Update(kernels_, images_, rate, &field_);
     field_.progress = static_cast<float>(std::clamp(progress, 0.0, 1.0));
     const StepReport report = Report(sums);
     AdaptRays(report);
@@ -89,13 +89,6 @@ class Trainer::Impl {
   void SetCells(SceneCells cells) { field_.cells = std::move(cells); }
   void SetFrame(const FieldFrame& frame) { field_.frame = frame; }
   std::size_t DeviceBytes() const { return worker_->DeviceBytes(); }
-  std::vector<Rigid3> Poses() const {
-    std::vector<Rigid3> poses;
-    for (std::size_t v = 0; v < views_.size(); ++v) {
-      poses.push_back(image_parameters_.T_N_C(v));
-    }
-    return poses;
-  }
 
  private:
   std::unique_ptr<StepWorker> MakeWorker(const DeviceChoice& device) {
@@ -207,10 +200,6 @@ const RadianceField& Trainer::field() const {
 
 std::size_t Trainer::device_bytes() const {
   return impl_->DeviceBytes();
-}
-
-std::vector<Rigid3> Trainer::poses() const {
-  return impl_->Poses();
 }
 
 RadianceField Trainer::TakeField() && {

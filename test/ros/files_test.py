@@ -97,23 +97,13 @@ class FilesTest(unittest.TestCase):
         self.read.append("pictures/*.svg")  # for people
         self.check_that_all_are_read()
 
-    def test_poses_that_were_refined(self):
-        known = ["--images", IMAGES, "--camera", CAMERA]
-        poses, model = self.path("refined.txt"), self.path("refined")
-        field = ["--out", self.path("field.dvn")]
-        train = ["nerf", "train", *SMALL_FIELD, "--set", "refine_poses=true", *field]
-        self.run_tool(*train, *known, "--poses", TRUTH, "--refined-poses", poses)
-        self.reads("refined.txt", *train, *known, "--poses", poses, "--poses-of", "camera")
-        self.run_tool(*train, "--bag", BAG, "--camera", CAMERA, "--poses", TRUTH, "--skip-missing", "--refined-poses", poses)
-        self.reads("refined.txt", *train, "--bag", BAG, "--camera", CAMERA, "--poses", poses, "--poses-of", "camera",
-                   "--skip-missing")
+    def test_poses_that_were_adjusted(self):
+        train = ["nerf", "train", *SMALL_FIELD, "--out", self.path("field.dvn")]
         self.run_tool("bundle", *FLIGHT_INPUT, "--no-loops", "--write-images", "--out", self.path("bundle"))
-        colmap = ["--colmap", self.path("bundle", "colmap")]
-        self.reads("bundle/colmap/*", *train, *colmap, "--refined-poses", model)
-        self.reads("refined/*.txt", *train, "--colmap", model, "--images", self.path("bundle", "colmap", "images"))
+        self.reads("bundle/colmap/*", *train, "--colmap", self.path("bundle", "colmap"))
         self.reads("bundle/poses.txt", "nerf", "align", "--model", self.path("field.dvn"), "--poses",
                    self.path("bundle", "colmap"), "--camera", CAMERA, "--align-to", self.path("bundle", "poses.txt"),
-                   *field, "--json", self.path("align.json"))
+                   "--out", self.path("field.dvn"), "--json", self.path("align.json"))
         self.reads("field.dvn", "nerf", "info", self.path("field.dvn"))
         self.check_that_all_are_read()
 

@@ -23,10 +23,10 @@ class MapTest(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
-        self.out = os.path.join(folder.name, "place")
+        self.out, self.bag = os.path.join(folder.name, "place"), BAG
 
     def command(self, *arguments):
-        return [TOOL, "map", "--bag", BAG, "--camera", CAMERA, "--out", self.out, *arguments]
+        return [TOOL, "map", "--bag", self.bag, "--camera", CAMERA, "--out", self.out, *arguments]
 
     def map(self, *arguments, code=0):
         result = subprocess.run(self.command("--steps", "60", *arguments), capture_output=True, text=True, check=False)
@@ -103,6 +103,31 @@ class MapTest(unittest.TestCase):
             figures = json.load(file)
         self.assertGreater(figures["map"]["places"], 0)
         self.assertEqual(figures["views"]["sources"], figures["loops"]["places"])
+
+    def test_maps_a_flight_that_drifted_far(self):
+        """Half a metre and more by its end: the adjusted poses are not those of the odometry any more."""
+        drifted = os.path.join(os.path.dirname(self.out), "drifted.bag")
+        with rosbag.Bag(BAG) as bag, rosbag.Bag(drifted, "w") as out:
+            begin, end = bag.get_start_time(), bag.get_end_time()
+            for topic, message, when in bag.read_messages():
+                shift = 1.2 * (message.header.stamp.to_sec() - begin) / (end - begin)
+                if topic in ("/vins_estimator/keyframe_pose", "/vins_estimator/odometry"):
+                    message.pose.pose.position.x += shift
+                elif topic == "/vins_estimator/keyframe_point":
+                    for point in message.points:
+                        point.x += shift
+                out.write(topic, message, when)
+        self.bag = drifted
+        figures = json.loads(self.map().stdout)
+        with open(os.path.join(self.out, "bundle", "poses.txt"), encoding="utf-8") as file:
+            adjusted = {line.split()[0]: float(line.split()[1]) for line in file if not line.startswith("#")}
+        with rosbag.Bag(drifted) as bag:
+            poses = [message for _, message, _ in bag.read_messages("/vins_estimator/keyframe_pose")]
+        x = {f"{message.header.stamp.secs}.{message.header.stamp.nsecs:09d}": message.pose.pose.position.x for message in poses}
+        shifts = [abs(x[stamp] - adjusted[stamp]) for stamp in adjusted if stamp in x]
+        self.assertGreater(len(shifts), 50)
+        self.assertGreater(max(shifts), 0.5)
+        self.assertGreater(figures["map"]["places"], 0)
 
     def test_goes_on_after_an_interrupt(self):
         record = os.path.join(self.out, "stages.json")

@@ -92,6 +92,24 @@ class ReplayTest(unittest.TestCase):
         self.assertEqual(figures["restarts"], 1)
         self.assertIn("the VIO started anew", result.stderr)
 
+    def test_a_part_of_a_flight_is_what_it_says(self):
+        def stamps(*arguments):
+            out = os.path.join(self.folder, "run")
+            self.figures(BAG, "--out", out, *arguments)
+            with open(os.path.join(out, "vio.txt"), encoding="utf-8") as file:
+                return [float(line.split()[0]) for line in file if not line.startswith("#")]
+
+        whole = stamps()
+        seconds = [stamp - whole[0] for stamp in whole]
+        first, second = stamps("--duration", "8"), stamps("--start", "8")
+        self.assertEqual(first, [stamp for stamp, s in zip(whole, seconds) if s < 8])
+        self.assertEqual(second, [stamp for stamp, s in zip(whole, seconds) if s >= 8])
+        self.assertEqual(len(first) + len(second), len(whole))
+        self.assertEqual(stamps("--start", "3", "--duration", "5"), [t for t, s in zip(whole, seconds) if 3 <= s < 8])
+        late = self.replay(BAG, CAMERA, "--start", "10000")
+        self.assertEqual(late.returncode, 1)
+        self.assertIn("no keyframe could be used", late.stderr)
+
     def test_poses_of_tf_are_as_good_as_a_topic(self):
         def transforms(parent, child, message):
             link = TransformStamped(header=message.header, child_frame_id=child)

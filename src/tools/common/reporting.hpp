@@ -31,15 +31,16 @@ int Report(const std::function<nlohmann::ordered_json()>& run,
            const PrintFigures& print = PrintJson,
            const char* left = "");
 
-/// Makes `sub` the command that reports what `run` finds for the request.
+/// Makes `sub` the command that reports what `run` finds for the request; gives it --json.
 template <typename Request>
 void ReportOf(CLI::App* sub,
               Command* command,
               nlohmann::ordered_json (*run)(const Request&),
               const std::shared_ptr<Request>& request,
-              const std::shared_ptr<std::string>& json_file,
               const PrintFigures& print = PrintJson,
               const char* left = "") {
+  const auto json_file = std::make_shared<std::string>();
+  sub->add_option("--json", *json_file, "File for the figures");
   sub->callback([=] {
     *command = [=] { return Report([&] { return run(*request); }, *json_file, print, left); };
   });

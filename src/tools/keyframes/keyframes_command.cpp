@@ -103,7 +103,6 @@ Json MakeKeyframes(const KeyframesRequest& request) {
 
 void AddKeyframesCommand(CLI::App& app, Command* command) {
   auto request = std::make_shared<KeyframesRequest>();
-  auto json_file = std::make_shared<std::string>();
   CLI::App* sub = app.add_subcommand(
       "keyframes",
       "Make keyframes of a bag's images and poses, and write them in VINS-Mono's topics");
@@ -125,13 +124,12 @@ void AddKeyframesCommand(CLI::App& app, Command* command) {
   sub->add_option("--config", request->config, "Loop closer's YAML; defaults without");
   sub->add_option("--set", request->overrides, "Override of the config: front_end.key=value")
       ->take_all();
-  sub->add_option("--json", *json_file, "File for the counts");
   AddQuietOption(sub, &request->show_progress);
   sub->footer(
       "Example:\n  deja_view keyframes --bag rig.bag --camera left.yaml --second-camera right.yaml "
       "\\\n    --odometry-topic /vicon/pose --out flight.bag\n"
       "  deja_view replay --bag flight.bag --camera left.yaml");
-  ReportOf(sub, command, MakeKeyframes, request, json_file);
+  ReportOf(sub, command, MakeKeyframes, request);
 }
 
 }  // namespace deja_view

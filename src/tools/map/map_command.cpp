@@ -34,6 +34,8 @@ void AddMapCommand(CLI::App& app, Command* command) {
       ->check(CLI::NonNegativeNumber);
   sub->add_option("--preset", request->preset, "Of the views: paper, wide or a YAML file")
       ->capture_default_str();
+  sub->add_option("--view-set", request->view_overrides, "Override of the preset: group.key=value")
+      ->take_all();
   sub->add_option("--set", request->overrides, "Override of the loop closer: group.key=value")
       ->take_all();
   sub->add_option("--json", *json_file, "File for the results, beside map.json in --out");

@@ -220,6 +220,7 @@ class MapMaker {
     input.poses = path("bundle/poses.txt");
     input.skip_missing = true;
     input.every = std::max(1, (images_ + kImages / 2) / kImages);
+    input.sharpest = true;
     return input;
   }
 
@@ -270,14 +271,17 @@ class MapMaker {
     const std::string preset =
         is_file ? fmt::format("{:016x}", Hash64OfFile(request_.preset)) : request_.preset;
     const bool are_apart = request_.bag_out.empty();
-    const std::string settings = fmt::format("{} {}", preset, request_.bag_out.string());
+    const std::string settings = fmt::format(
+        "{} {}\n{}", preset, request_.bag_out.string(), fmt::join(request_.view_overrides, "\n"));
     return stages_.Run("views", settings, ViewsBag(), [&] {
       ViewsRenderRequest views;
       views.input.flight.bag = request_.bag;
       views.input.flight.camera = request_.camera;
       views.input.poses = path("bundle/poses.txt");
+      views.input.align_to = "off";  // they are in the odometry's world, however far that drifted
       views.input.model = path("field.dvn");
       views.input.preset = request_.preset;
+      views.input.overrides = request_.view_overrides;
       views.input.sources = "images";  // those of the places, whoever made them keyframes
       views.input.places = path("flight/places.txt");
       views.input.threads = request_.threads;

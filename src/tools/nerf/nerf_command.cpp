@@ -60,6 +60,7 @@ void AddImageOptions(CLI::App* sub, NerfInput* input) {
   sub->add_option("--every", input->every, "Take every N-th image")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  sub->add_flag("--sharpest", input->sharpest, "Of every N images the sharpest, not the first");
   sub->add_option("--holdout",
                   input->holdout,
                   "Hold out every N-th image, and those with a depth map where at most half of the "
@@ -77,20 +78,18 @@ void AddTrainOptions(CLI::App* sub, fs::path* config, std::vector<std::string>* 
 }
 
 template <typename Request>
-void AddCommonOptions(CLI::App* sub, Request* request, std::string* json_file) {
+void AddCommonOptions(CLI::App* sub, Request* request) {
   sub->add_option("--threads", request->threads, "Threads; 0: all cores")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  sub->add_option("--json", *json_file, "File for the figures");
   AddQuietOption(sub, &request->show_progress);
 }
 
 void AddTrain(CLI::App* nerf, Command* command) {
   CLI::App* sub = nerf->add_subcommand("train", "Train a radiance field on posed images");
   auto request = std::make_shared<NerfTrainRequest>();
-  auto json_file = std::make_shared<std::string>();
   AddNerfInputOptions(sub, &request->input);
-  AddCommonOptions(sub, request.get(), json_file.get());
+  AddCommonOptions(sub, request.get());
   AddTrainOptions(sub, &request->config, &request->overrides);
   AddDeviceOption(sub, &request->device);
   sub->add_option("--box", request->box, "The scene: min x y z, max x y z [m]")->expected(6);
@@ -116,12 +115,6 @@ void AddTrain(CLI::App* nerf, Command* command) {
       ->capture_default_str();
   sub->add_option("--resume", request->resume, "Go on with a model whose training was cut short")
       ->check(CLI::ExistingFile);
-  sub->add_option("--refined-poses",
-                  request->refined_poses,
-                  "File for the cameras' poses, for --poses with --poses-of camera; of images "
-                  "without stamps or "
-                  "poses without a scale a folder for --colmap. They are corrected with --set "
-                  "refine_poses=true");
   sub->add_option("--shard",
                   request->shard,
                   "Cut the scene into n sub-maps by where the cameras are, and train the field of "
@@ -130,15 +123,14 @@ void AddTrain(CLI::App* nerf, Command* command) {
   sub->footer(
       "Example, the second half of a large place:\n  deja_view nerf train --images images --camera "
       "euroc.yaml --poses truth.txt --shard 1/2 --out hall-1.dvn");
-  ReportOf(sub, command, RunNerfTrain, request, json_file);
+  ReportOf(sub, command, RunNerfTrain, request);
 }
 
 void AddEval(CLI::App* nerf, Command* command) {
   CLI::App* sub = nerf->add_subcommand("eval", "Compare renders with held-out images");
   auto request = std::make_shared<NerfEvalRequest>();
-  auto json_file = std::make_shared<std::string>();
   AddNerfInputOptions(sub, &request->input);
-  AddCommonOptions(sub, request.get(), json_file.get());
+  AddCommonOptions(sub, request.get());
   AddDeviceOption(sub, &request->device);
   sub->add_option("--model", request->model, "Model file")->required()->check(CLI::ExistingFile);
   sub->add_option("--pictures", request->pictures, "Directory for real | rendered | difference");
@@ -149,7 +141,7 @@ void AddEval(CLI::App* nerf, Command* command) {
                   "Only held-out images of sub-map i of n: i/n; a sub-map's model: of its own");
   sub->add_option("--kernels", request->kernels, "Instructions: auto, portable, avx2, avx512")
       ->capture_default_str();
-  ReportOf(sub, command, RunNerfEval, request, json_file);
+  ReportOf(sub, command, RunNerfEval, request);
 }
 
 std::string Cell(const Json& value, int digits) {
@@ -180,7 +172,6 @@ void AddComparePoses(CLI::App* nerf, Command* command) {
   CLI::App* sub = nerf->add_subcommand(
       "compare-poses", "Train a short field per source of poses and compare held-out views");
   auto request = std::make_shared<NerfCompareRequest>();
-  auto json_file = std::make_shared<std::string>();
   sub->add_option("--source",
                   request->sources,
                   "NAME=FILE, poses of the body: TUM, EuRoC's or VINS-Mono's CSV, a COLMAP model "
@@ -198,20 +189,19 @@ void AddComparePoses(CLI::App* nerf, Command* command) {
   AddImageOptions(sub, &request->input);
   sub->add_flag("--grey", request->input.grey, "Train one channel, even on colour images");
   AddTrainOptions(sub, &request->config, &request->overrides);
-  AddCommonOptions(sub, request.get(), json_file.get());
+  AddCommonOptions(sub, request.get());
   sub->add_option("--steps", request->steps, "Steps of each training")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   sub->add_option("--pictures", request->pictures, "Directory for real | rendered | difference");
-  ReportOf(sub, command, RunNerfComparePoses, request, json_file, PrintComparison);
+  ReportOf(sub, command, RunNerfComparePoses, request, PrintComparison);
 }
 
 void AddRender(CLI::App* nerf, Command* command) {
   CLI::App* sub = nerf->add_subcommand("render", "Render pictures along a trajectory");
   auto request = std::make_shared<NerfRenderRequest>();
-  auto json_file = std::make_shared<std::string>();
   AddScaleOption(sub, &request->scale);
-  AddCommonOptions(sub, request.get(), json_file.get());
+  AddCommonOptions(sub, request.get());
   AddDeviceOption(sub, &request->device);
   sub->add_option("--model", request->model, "Model file")->required()->check(CLI::ExistingFile);
   sub->add_option("--camera", request->camera, "Camera and extrinsics: an odometry's YAML")
@@ -230,14 +220,13 @@ void AddRender(CLI::App* nerf, Command* command) {
       ->capture_default_str();
   sub->add_flag("--depth", request->depth, "Also write depth, 16 bit, millimetres along the ray");
   sub->add_option("--out", request->out, "Directory for the pictures")->required();
-  ReportOf(sub, command, RunNerfRender, request, json_file);
+  ReportOf(sub, command, RunNerfRender, request);
 }
 
 void AddAlign(CLI::App* nerf, Command* command) {
   CLI::App* sub = nerf->add_subcommand(
       "align", "Place a field that was trained on COLMAP's poses among poses in metres");
   auto request = std::make_shared<NerfAlignRequest>();
-  auto json_file = std::make_shared<std::string>();
   sub->add_option("--model", request->model, "Model file")->required()->check(CLI::ExistingFile);
   sub->add_option("--poses",
                   request->poses,
@@ -256,21 +245,18 @@ void AddAlign(CLI::App* nerf, Command* command) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   sub->add_option("--out", request->out, "Model file to write; may be --model")->required();
-  sub->add_option("--json", *json_file, "File for the figures");
   sub->footer(
       "Example:\n  deja_view nerf align --model hall.dvn --poses hall_colmap --align-to "
       "hall.bag:/vins_estimator/keyframe_pose --camera euroc.yaml --out hall.dvn");
-  ReportOf(sub, command, RunNerfAlign, request, json_file);
+  ReportOf(sub, command, RunNerfAlign, request);
 }
 
 void AddInfo(CLI::App* nerf, Command* command) {
   CLI::App* sub = nerf->add_subcommand(
       "info", "Show the graphics cards there are, and check a model file and show what it holds");
   auto path = std::make_shared<fs::path>();
-  auto json_file = std::make_shared<std::string>();
   sub->add_option("model", *path, "Model file")->check(CLI::ExistingFile);
-  sub->add_option("--json", *json_file, "File for the figures");
-  ReportOf(sub, command, RunNerfInfo, path, json_file);
+  ReportOf(sub, command, RunNerfInfo, path);
 }
 
 }  // namespace

@@ -25,11 +25,10 @@ struct NerfTrainRequest {
   double budget_s = 600;               ///< wall time from the start to the model file
   int steps = 0;                       ///< 0: as many as the budget allows
   int threads = 0;
-  std::string device = "auto";          ///< nerf::ChooseDevice
-  double checkpoint_s = 60;             ///< wall time between models written on the way; 0: none
-  std::filesystem::path resume;         ///< a model to go on with; empty: a new one
-  std::filesystem::path refined_poses;  ///< for poses as corrected; empty: not written
-  std::string shard;                    ///< sub-map i of n, "i/n"; empty: all in one field
+  std::string device = "auto";   ///< nerf::ChooseDevice
+  double checkpoint_s = 60;      ///< wall time between models written on the way; 0: none
+  std::filesystem::path resume;  ///< a model to go on with; empty: a new one
+  std::string shard;             ///< sub-map i of n, "i/n"; empty: all in one field
   std::filesystem::path out;
   bool show_progress = true;
 };

@@ -1,8 +1,6 @@
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/output_lock.hpp"
 #include "deja_view/base/progress.hpp"
-#include "deja_view/io/colmap.hpp"
-#include "deja_view/io/tum.hpp"
 #include "deja_view/nerf/cell_images.hpp"
 #include "deja_view/nerf/checkpoint.hpp"
 #include "deja_view/nerf/posed_images.hpp"
@@ -152,32 +150,6 @@ class Schedule {
   double done_;
 };
 
-/// As --poses reads them where the images have stamps and metres, else as --colmap does.
-void WriteRefinedPoses(const NerfTrainRequest& request,
-                       const std::vector<nerf::PosedImage>& images,
-                       const std::vector<Rigid3>& T_N_C) {
-  DEJA_VIEW_CHECK(images.size() == T_N_C.size());
-  std::map<std::int64_t, Rigid3> by_stamp;
-  ColmapModel model;
-  for (std::size_t i = 0; i < images.size(); ++i) {
-    const auto id = static_cast<std::uint32_t>(i + 1);
-    by_stamp[images[i].stamp_ns] = T_N_C[i];
-    model.cameras[id] = images[i].camera;
-    model.images.push_back({id, id, images[i].path.filename().string(), T_N_C[i], {}});
-  }
-  const bool has_files = request.input.bag.empty();
-  if (has_files && (by_stamp.count(0) > 0 || !FrameOf(request.input).is_known)) {
-    WriteColmapModel(model, request.refined_poses);
-    return;
-  }
-  Trajectory trajectory;
-  for (const auto& [stamp_ns, pose] : by_stamp) {
-    trajectory.stamps_ns.push_back(stamp_ns);
-    trajectory.poses.push_back(pose);
-  }
-  WriteTum(request.refined_poses, trajectory);
-}
-
 /// The model's file while it is trained.
 class ModelFile {
  public:
@@ -288,9 +260,6 @@ Json RunNerfTrain(const NerfTrainRequest& request) {
   TrainingSums sums;
   const bool interrupted = TrainOrTell(request, interrupt, schedule, &trainer, &sums);
   const double train_s = SecondsSince(train_start);
-  if (!request.refined_poses.empty()) {
-    WriteRefinedPoses(request, beginning.images, trainer.poses());
-  }
   Json json;
   json["model"] = request.out.string();
   if (beginning.cells.IsCut()) {

@@ -9,7 +9,6 @@ namespace deja_view {
 
 void AddPlacesCommand(CLI::App& app, Command* command) {
   auto request = std::make_shared<PlacesRequest>();
-  auto json_file = std::make_shared<std::string>();
   CLI::App* sub = app.add_subcommand(
       "places", "Recognise places in a folder of images by appearance alone, without poses");
   AppearancePlacesOptions& options = request->options;
@@ -42,12 +41,11 @@ void AddPlacesCommand(CLI::App& app, Command* command) {
       ->capture_default_str();
   sub->add_option("--threads", options.threads, "0: all cores; any gives the same pairs")
       ->capture_default_str();
-  sub->add_option("--json", *json_file, "File for the figures");
   AddQuietOption(sub, &request->show_progress);
   sub->footer(
       "Example:\n  deja_view places --images lip6/images --groundtruth lip6/truth.txt --out places "
       "--json places.json");
-  ReportOf(sub, command, RunPlaces, request, json_file);
+  ReportOf(sub, command, RunPlaces, request);
 }
 
 }  // namespace deja_view

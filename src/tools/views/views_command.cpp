@@ -130,7 +130,6 @@ void AddRender(CLI::App* views, Command* command) {
   CLI::App* sub =
       views->add_subcommand("render", "Add virtual views to a bag or a folder of images");
   auto request = std::make_shared<ViewsRenderRequest>();
-  auto json_file = std::make_shared<std::string>();
   AddInputOptions(sub, &request->input);
   sub->add_option("--renderer",
                   request->renderer,
@@ -152,7 +151,6 @@ void AddRender(CLI::App* views, Command* command) {
   sub->add_flag_callback(
       "--no-resume", [request] { request->resume = false; }, "Make finished views anew");
   sub->add_option("--out", request->out, "Bag to write")->required();
-  sub->add_option("--json", *json_file, "File for the figures");
   sub->footer(
       "Unfinished work is kept in OUT.work; the same command goes on from there.\n"
       "Examples:\n"
@@ -162,40 +160,32 @@ void AddRender(CLI::App* views, Command* command) {
       "mh_01.dvn --out mh_01_views.bag\n"
       "  deja_view views render --images images --camera camera.yaml --poses truth.txt --renderer "
       "warp --depth-maps depth --out views.bag");
-  ReportOf(sub,
-           command,
-           RunViewsRender,
-           request,
-           json_file,
-           PrintValues,
-           "; the same command goes on from here");
+  ReportOf(
+      sub, command, RunViewsRender, request, PrintValues, "; the same command goes on from here");
 }
 
 void AddMerge(CLI::App* views, Command* command) {
   CLI::App* sub = views->add_subcommand(
       "merge", "Put the parts of views render --shard, and those of sub-maps, together");
   auto request = std::make_shared<ViewsMergeRequest>();
-  auto json_file = std::make_shared<std::string>();
   AddFlightOptions(sub, &request->flight);
   sub->add_option("parts", request->parts, "Bags of all shards and sub-maps, in any order")
       ->required()
       ->check(CLI::ExistingFile);
   sub->add_flag("--views-only", request->views_only, "Leave out the flight's own messages");
   sub->add_option("--out", request->out, "Bag to write")->required();
-  sub->add_option("--json", *json_file, "File for the figures");
   sub->footer(
       "The flight is given as to views render.\n"
       "Examples:\n  deja_view views merge --bag hall.bag parts/*.bag --out hall_views.bag\n"
       "  deja_view views merge --images MH_01_easy --camera euroc.yaml parts/*.bag --out "
       "mh_01_views.bag");
-  ReportOf(sub, command, RunViewsMerge, request, json_file, PrintValues, kNothingLeft);
+  ReportOf(sub, command, RunViewsMerge, request, PrintValues, kNothingLeft);
 }
 
 void AddCheck(CLI::App* views, Command* command) {
   CLI::App* sub =
       views->add_subcommand("check", "Count correct matches between images and their views");
   auto request = std::make_shared<ViewsCheckRequest>();
-  auto json_file = std::make_shared<std::string>();
   AddInputOptions(sub, &request->input);
   sub->get_option("--model")->required();
   AddDepthMapOptions(sub, &request->input.depth_maps);
@@ -208,8 +198,7 @@ void AddCheck(CLI::App* views, Command* command) {
                   request->network,
                   "Network to upscale with, e.g. FSRCNN_x2.pb; the preset's without")
       ->check(CLI::ExistingFile);
-  sub->add_option("--json", *json_file, "File for the figures");
-  ReportOf(sub, command, RunViewsCheck, request, json_file, PrintMatches, kNothingLeft);
+  ReportOf(sub, command, RunViewsCheck, request, PrintMatches, kNothingLeft);
 }
 
 }  // namespace

@@ -9,7 +9,6 @@
 
 #include "closed_form.hpp"
 #include "grid_optimizer.hpp"
-#include "pose_gradient.hpp"
 #include <gtest/gtest.h>
 
 namespace deja_view::nerf::internal {
@@ -224,57 +223,6 @@ TEST_P(BackwardTest, LatentGradientsAgreeWithDifferences) {
     }
     EXPECT_GT(std::abs(sum), 1e-4);
     ExpectClose(sum, scene.Difference(&scene.latent[i], 3e-3F));
-  }
-}
-
-TEST_P(BackwardTest, PoseGradientsAgreeWithDifferences) {
-  Scene scene(GetParam());
-  Trace trace;
-  LossGradient loss;
-  scene.Evaluate(&trace, &loss);
-  BackwardScratch scratch;
-  ChunkGradient gradient;
-  Backpropagate(scene.field, PortableKernels(), loss, &trace, &scratch, &gradient);
-  std::vector<PoseGradient> poses;
-  ComputePoseGradients(scene.field, scene.rays, trace, gradient, &poses);
-  ASSERT_EQ(poses.size(), scene.rays.size());
-  const std::vector<Ray> rays = scene.rays;
-  const auto loss_at = [&](std::size_t i, float step) {
-    for (std::size_t r = 0; r < rays.size(); ++r) {
-      if (i < 3) {
-        scene.rays[r].origin[i] = rays[r].origin[i] + step;
-      } else {
-        const Eigen::Vector3d d(static_cast<double>(rays[r].direction[0]),
-                                static_cast<double>(rays[r].direction[1]),
-                                static_cast<double>(rays[r].direction[2]));
-        const Eigen::Vector3d axis = Eigen::Vector3d::Unit(static_cast<Eigen::Index>(i) - 3);
-        const Eigen::Vector3d turned = ExpSo3(static_cast<double>(step) * axis) * d;
-        for (std::size_t k = 0; k < 3; ++k) {
-          scene.rays[r].direction[k] = static_cast<float>(turned[static_cast<Eigen::Index>(k)]);
-        }
-      }
-    }
-    const double value = scene.Loss();
-    scene.rays = rays;
-    return value;
-  };
-  // The far background's direction is not part of the gradient.
-  for (float& value : scene.field.background_color.parameters()) {
-    value = 0;
-  }
-  scene.Evaluate(&trace, &loss);
-  Backpropagate(scene.field, PortableKernels(), loss, &trace, &scratch, &gradient);
-  ComputePoseGradients(scene.field, scene.rays, trace, gradient, &poses);
-  constexpr float kStep = 2e-4F;
-  for (std::size_t i = 0; i < 6; ++i) {
-    double sum = 0;
-    for (const PoseGradient& pose : poses) {
-      sum += static_cast<double>(pose[i]);
-    }
-    const double difference =
-        (loss_at(i, kStep) - loss_at(i, -kStep)) / (2 * static_cast<double>(kStep));
-    // Interpolation has kinks at the cells' faces, which some samples cross.
-    EXPECT_NEAR(sum, difference, 0.02 + 0.1 * std::abs(difference)) << "parameter " << i;
   }
 }
 

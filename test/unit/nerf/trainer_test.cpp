@@ -253,39 +253,6 @@ TEST(Trainer, RefusesToGoOnWithOtherChannels) {
   EXPECT_THROW(Trainer(SmallOptions(), MakeViews(2), std::move(field)), InputError);
 }
 
-TEST(Trainer, CorrectsPoses) {
-  const std::vector<TrainingView> views = MakeViews(60);
-  std::vector<TrainingView> moved = views;
-  for (std::size_t v = 0; v < moved.size(); v += 6) {
-    moved[v].T_N_C.t += Eigen::Vector3d(0.06, -0.05, 0.04);
-  }
-  TrainOptions options = SmallOptions();
-  options.refine_poses = true;
-  options.pose_learning_rate = 1e-3F;
-  options.target_samples = 1 << 15;
-  AddPoints(&moved);
-  Trainer trainer(options, moved, RoomBox());
-  for (int i = 0; i < 800; ++i) {
-    trainer.Step(i / 800.0);
-  }
-  const std::vector<Rigid3> poses = trainer.poses();
-  double before = 0;
-  double after = 0;
-  double others = 0;
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    const double error = (poses[v].t - views[v].T_N_C.t).norm();
-    if (v % 6 == 0) {
-      before += (moved[v].T_N_C.t - views[v].T_N_C.t).norm() / 10;
-      after += error / 10;
-    } else {
-      others += error / 50;
-    }
-  }
-  // A pixel is 5 cm wide on the walls, so that little is to be had.
-  EXPECT_LT(after, 0.92 * before);
-  EXPECT_LT(others, 0.2 * before);
-}
-
 TEST(BoxAround, LeavesOutWildPoints) {
   std::vector<TrainingView> views = MakeViews(40);
   AddPoints(&views);

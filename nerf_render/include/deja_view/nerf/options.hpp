@@ -102,12 +102,10 @@ struct TrainOptions {
   float final_depth_share = 0.2F;     ///< and at the end
   int carve_votes = 10;  ///< depth rays through a cell that make it empty for good; 0: never
   float distortion_weight = 1e-3F;  ///< of the loss that gathers a ray's weights in one place
-  bool opaque = true;         ///< what lies in the box lets no light pass; see LossOptions::opaque
-  bool exposure = true;       ///< fit a gain and a bias per image
-  bool vignetting = true;     ///< fit how the lens darkens towards the border
-  bool refine_poses = false;  ///< correct the training cameras' poses
-  float pose_learning_rate = 1e-3F;  ///< [rad] and, times the box's longest side, [m]
-  int warmup_steps = 128;            ///< short steps before empty space is skipped
+  bool opaque = true;      ///< what lies in the box lets no light pass; see LossOptions::opaque
+  bool exposure = true;    ///< fit a gain and a bias per image
+  bool vignetting = true;  ///< fit how the lens darkens towards the border
+  int warmup_steps = 128;  ///< short steps before empty space is skipped
   int occupancy_interval = 16;       ///< steps between updates of the occupancy grid
   float occupancy_threshold = 0.1F;  ///< share of the light that a cell must take per shortest step
 
@@ -136,8 +134,6 @@ struct TrainOptions {
     v("opaque", opaque);
     v("exposure", exposure);
     v("vignetting", vignetting);
-    v("refine_poses", refine_poses);
-    v("pose_learning_rate", pose_learning_rate);
     v("warmup_steps", warmup_steps);
     v("occupancy_interval", occupancy_interval);
     v("occupancy_threshold", occupancy_threshold);

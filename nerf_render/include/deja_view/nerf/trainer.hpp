@@ -25,7 +25,7 @@ class Trainer {
  public:
   /// Throws CheckError for invalid options, InputError for views that can't be trained on (none,
   /// sizes that differ from their cameras', grey and colour mixed, poses that are not finite). With
-  /// a card, all but poses() may throw DeviceError.
+  /// a card, all calls may throw DeviceError.
   Trainer(const TrainOptions& options,
           std::vector<TrainingView> views,
           const SceneBox& box,
@@ -55,9 +55,6 @@ class Trainer {
 
   /// The most that was held of a card's memory; 0 on the CPU.
   std::size_t device_bytes() const;
-
-  /// T_N_C of the views, as given or, with `refine_poses`, as corrected.
-  std::vector<Rigid3> poses() const;
 
   /// Hands the field over; the trainer is then of no more use.
   RadianceField TakeField() &&;
