@@ -111,9 +111,11 @@ bool RestartDetector::IsRestart(const Keyframe& now, const MovedAndRange& common
     const bool is_whole = after < kRangeRatio * before && before < kRangeRatio * after;
     return HaveMoved(common) && (is_whole || IsUnexplained(now, kAcceleration));
   }
-  const bool has_lost_tracks = keeps_tracks_ && common.empty() && now.points_W.size() >= kFewPoints;
-  return has_lost_tracks && (Seconds(last_->stamp_ns, now.stamp_ns) >= kSilence ||
-                             IsUnexplained(now, kLostTracksAcceleration));
+  if (!keeps_tracks_ || !common.empty()) {
+    return false;
+  }
+  return Seconds(last_->stamp_ns, now.stamp_ns) >= kSilence ||
+         (now.points_W.size() >= kFewPoints && IsUnexplained(now, kLostTracksAcceleration));
 }
 
 bool RestartDetector::IsUnexplained(const Keyframe& now, double acceleration) const {

@@ -90,6 +90,16 @@ TEST_F(RestartDetectorTest, NewTracksAfterASilenceAreOneEvenNearby) {
   EXPECT_FALSE(Add(1.8, 1.0, 102));
 }
 
+// A front end that has just begun to follow corners has no points yet.
+TEST_F(RestartDetectorTest, NoPointsAfterASilenceAreOne) {
+  Add(0, 0, 0);
+  Add(0.2, 0.1, 0);
+  EXPECT_FALSE(detector_.Add(400000000, At(0.2), {}));
+  Add(0.6, 0.3, 0);
+  Add(0.8, 0.4, 0);
+  EXPECT_TRUE(detector_.Add(1900000000, At(0.9), {}));
+}
+
 TEST_F(RestartDetectorTest, NewTracksInAFastTurnAreNone) {
   Add(0, 0, 0);
   Add(0.2, 0.4, 0);
