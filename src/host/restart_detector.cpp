@@ -28,6 +28,9 @@ constexpr double kAcceleration = 5.0;
 // A VIO that flew on through more than this would have kept a track; and a new sequence that was
 // none is joined by its next loop, while a restart that is not told bends the map.
 constexpr double kLostTracksAcceleration = 2.0;
+// [s] Nor is a VIO that flies on silent for so long where it sees new points all the time; one that
+// starts anew needs a second for its first window, and may come to anywhere.
+constexpr double kSilence = 1.0;
 
 using PointsById = std::unordered_map<std::int64_t, Eigen::Vector3d>;
 
@@ -108,8 +111,11 @@ bool RestartDetector::IsRestart(const Keyframe& now, const MovedAndRange& common
     const bool is_whole = after < kRangeRatio * before && before < kRangeRatio * after;
     return HaveMoved(common) && (is_whole || IsUnexplained(now, kAcceleration));
   }
-  return keeps_tracks_ && common.empty() && now.points_W.size() >= kFewPoints &&
-         IsUnexplained(now, kLostTracksAcceleration);
+  if (!keeps_tracks_ || !common.empty()) {
+    return false;
+  }
+  return Seconds(last_->stamp_ns, now.stamp_ns) >= kSilence ||
+         (now.points_W.size() >= kFewPoints && IsUnexplained(now, kLostTracksAcceleration));
 }
 
 bool RestartDetector::IsUnexplained(const Keyframe& now, double acceleration) const {

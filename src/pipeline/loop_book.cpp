@@ -69,24 +69,36 @@ void LoopBook::ForgetOldest() {
   }
 }
 
-bool LoopBook::Refine(int old, int current, const Rigid3& T_Bold_Bcurrent, PoseGraph* graph) {
+int LoopBook::FindRefinable(const LoopMeasurement& measurement, const PoseGraph& graph) const {
   constexpr double kMaxChange = 0.5;  // [m], [rad]: near the loop's or it is wrong
   const auto it = std::find_if(records_.rbegin(), records_.rend(), [&](const auto& entry) {
     const LoopRecord& record = entry.second;
-    return record.edge >= 0 && record.report.old == old && record.report.current == current;
+    return record.edge >= 0 && record.report.old == measurement.old &&
+           record.report.current == measurement.current;
   });
-  if (it == records_.rend() || !T_Bold_Bcurrent.IsFinite()) {
+  if (it == records_.rend() || !measurement.T_Bold_Bcurrent.IsFinite()) {
+    return -1;
+  }
+  const LoopRecord& record = it->second;
+  const Rigid3 change = record.report.T_Bold_Bcurrent.Inverse() * measurement.T_Bold_Bcurrent;
+  const PoseGraphLoop& edge = graph.loop(record.edge);
+  const bool is_near = change.t.norm() <= kMaxChange && RotationAngle(change.q) <= kMaxChange;
+  const bool is_its_own = edge.from == measurement.old && edge.to == measurement.current;
+  return is_near && is_its_own ? it->first : -1;
+}
+
+bool LoopBook::CanRefine(const LoopMeasurement& measurement, const PoseGraph& graph) const {
+  return FindRefinable(measurement, graph) >= 0;
+}
+
+bool LoopBook::Refine(const LoopMeasurement& measurement, PoseGraph* graph) {
+  const int number = FindRefinable(measurement, *graph);
+  if (number < 0) {
     return false;
   }
-  LoopRecord& record = it->second;
-  const Rigid3 change = record.report.T_Bold_Bcurrent.Inverse() * T_Bold_Bcurrent;
-  const PoseGraphLoop& edge = graph->loop(record.edge);
-  if (change.t.norm() > kMaxChange || RotationAngle(change.q) > kMaxChange || edge.from != old ||
-      edge.to != current) {
-    return false;
-  }
-  record.report.T_Bold_Bcurrent = T_Bold_Bcurrent;
-  graph->UpdateLoop(record.edge, T_Bold_Bcurrent);
+  LoopRecord& record = records_.at(number);
+  record.report.T_Bold_Bcurrent = measurement.T_Bold_Bcurrent;
+  graph->UpdateLoop(record.edge, measurement.T_Bold_Bcurrent);
   return true;
 }
 

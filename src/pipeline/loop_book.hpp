@@ -7,6 +7,8 @@
 #include <map>
 #include <vector>
 
+#include "loop_measurements.hpp"
+
 namespace deja_view {
 
 /// A loop that passed verification, and what has become of it. Its number in the book is its
@@ -36,9 +38,11 @@ class LoopBook {
   /// from now on.
   Entry Enter(LoopReport loop, PoseGraph* graph);
 
+  /// There is such a loop in the graph, and its measurement is near the new one.
+  bool CanRefine(const LoopMeasurement& measurement, const PoseGraph& graph) const;
   /// Replaces an accepted loop's measurement by a better one of the same; false, and no change,
-  /// when there is no such loop or the two are far apart.
-  bool Refine(int old, int current, const Rigid3& T_Bold_Bcurrent, PoseGraph* graph);
+  /// when it can't be refined so.
+  bool Refine(const LoopMeasurement& measurement, PoseGraph* graph);
 
   /// The graph has no such loops any more; returns their reports, as withdrawn.
   std::vector<LoopReport> Withdraw(const std::vector<int>& edges);
@@ -57,6 +61,8 @@ class LoopBook {
 
  private:
   std::map<int, LoopRecord>::iterator Find(int edge);
+  /// -1: there is none that can be refined so.
+  int FindRefinable(const LoopMeasurement& measurement, const PoseGraph& graph) const;
   bool IsRemembered(int record) const { return record >= next_ - consistency_.memory(); }
   void ForgetOldest();
 

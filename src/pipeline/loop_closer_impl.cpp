@@ -54,7 +54,8 @@ LoopCloserImpl::LoopCloserImpl(const LoopCloserOptions& options,
       shelf_(options.views, options.features, &verifier_, &places_),
       keyframes_(options.pose_graph),
       loops_(options.consistency),
-      solve_(options.solve, std::move(executor)) {
+      solve_(options.solve, std::move(executor)),
+      measurements_(options.solve.measurement_latency) {
   if (vocabulary->descriptor_name() != extractor_->DescriptorName()) {
     ThrowInputError(
         "features.kind: the vocabulary was made for '{}' descriptors, the options ask for '{}'",
@@ -70,6 +71,7 @@ KeyframeReport LoopCloserImpl::AddKeyframe(const KeyframeInput& input) {
   NewKeyframe current = Describe(input, report.is_new_sequence, &report.times);
   Append(input, &report);
   Triangulate(&current, &report.times);
+  Refine(measurements_.TakeDue(report.index));
   TakeDueSolution(&report);
   const std::vector<Candidate> candidates = FindCandidates(current, &report);
   FindLoops(candidates, current, &report);
@@ -173,6 +175,12 @@ void LoopCloserImpl::Triangulate(NewKeyframe* current, KeyframeTimes* times) {
   }
 }
 
+void LoopCloserImpl::Refine(const std::vector<LoopMeasurement>& measurements) {
+  for (const LoopMeasurement& measurement : measurements) {
+    loops_.Refine(measurement, &keyframes_.graph());
+  }
+}
+
 void LoopCloserImpl::TakeDueSolution(KeyframeReport* report) {
   const StepTimer timer(&report->times.graph);
   PoseGraph& graph = keyframes_.graph();
@@ -222,6 +230,7 @@ void LoopCloserImpl::StartDueSolve(KeyframeTimes* times) {
 }
 
 std::vector<LoopReport> LoopCloserImpl::OptimizeFully() {
+  Refine(measurements_.TakeAll());
   solve_.Finish(&keyframes_.graph());
   keyframes_.graph().Solve();
   solve_.Reset();
@@ -234,8 +243,9 @@ bool LoopCloserImpl::UpdateLoop(int current, const Rigid3& T_Bold_Bcurrent) {
   if (current < 0 || current >= keyframes_.size()) {
     return false;
   }
-  const int old = keyframes_[current].relocalised_old;
-  return loops_.Refine(old, current, T_Bold_Bcurrent, &keyframes_.graph());
+  const LoopMeasurement measurement{keyframes_[current].relocalised_old, current, T_Bold_Bcurrent};
+  measurements_.Add(measurement, keyframes_.newest());
+  return loops_.CanRefine(measurement, keyframes_.graph());
 }
 
 Rigid3 LoopCloserImpl::drift() const {
@@ -293,6 +303,7 @@ void LoopCloserImpl::Load(const std::filesystem::path& directory) {
       ReadMap(directory, {DescriptorKind(options_.features), *camera_}, options_.pose_graph);
   solve_.Finish(&keyframes_.graph());
   solve_.Reset();
+  measurements_.TakeAll();
   keyframes_ = std::move(map.keyframes);
   loops_ = LoopBook(options_.consistency, map.loops);
   places_.Clear();

@@ -13,6 +13,7 @@
 
 #include "keyframe_map.hpp"
 #include "loop_book.hpp"
+#include "loop_measurements.hpp"
 #include "place_finder.hpp"
 #include "place_policy.hpp"
 #include "solve_schedule.hpp"
@@ -63,6 +64,7 @@ class LoopCloserImpl {
   void Append(const KeyframeInput& input, KeyframeReport* report);
   /// Makes points of corners, of the new keyframe and of the places lately passed.
   void Triangulate(NewKeyframe* current, KeyframeTimes* times);
+  void Refine(const std::vector<LoopMeasurement>& measurements);
   void TakeDueSolution(KeyframeReport* report);
   /// Loops that are none in the graph any more.
   void Withdraw(const std::vector<int>& edges, std::vector<LoopReport>* told);
@@ -131,6 +133,7 @@ class LoopCloserImpl {
   KeyframeMap keyframes_;
   LoopBook loops_;
   SolveSchedule solve_;
+  LoopMeasurements measurements_;
   std::optional<Question> question_;
   bool starts_sequence_ = true;  ///< the next keyframe does
   int last_localised_ = -1;      ///< newest keyframe with an accepted loop

@@ -28,6 +28,7 @@ std::vector<std::string> SolveOptions::Validate() const {
   r.That(most_nodes >= 1, "most_nodes", most_nodes, "at least 1");
   r.That(latency >= 1, "latency", latency, "at least 1");
   r.That(nodes_per_latency >= 1, "nodes_per_latency", nodes_per_latency, "at least 1");
+  r.That(measurement_latency >= 1, "measurement_latency", measurement_latency, "at least 1");
   return r.errors();
 }
 

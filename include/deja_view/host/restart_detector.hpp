@@ -17,7 +17,8 @@ namespace deja_view {
 /// Tells from its keyframes alone when a VIO has started anew, in another world than before:
 ///   - the points that it still tracks have moved in its world, as a whole, or while it came to
 ///     where its motion before could not have brought it; or
-///   - it tracks none of the points that it did, and came to such a place.
+///   - it tracks none of the points that it did, and came to such a place, or after a second's
+///     silence.
 /// A VIO that refines its points, or loses its tracks and flies on, has its old world; one that
 /// starts anew where it was before does no harm. Hosts that name their points anew in each keyframe
 /// tell nothing.

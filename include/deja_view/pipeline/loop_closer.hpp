@@ -56,7 +56,8 @@ class LoopCloser {
 
   /// The VIO's own measurement after fast relocalisation: pose of keyframe `current` relative to
   /// the old keyframe of its Relocalisation, refined over the VIO's window. Ignored, with false,
-  /// when that keyframe had none or the pose is far from the loop's.
+  /// when that keyframe had none or the pose is far from the loop's. Used with a later keyframe
+  /// (SolveOptions::measurement_latency), so that it does not matter between which ones it came.
   bool UpdateLoop(int current, const Rigid3& T_Bold_Bcurrent);
 
   /// Solves the graph to convergence over everything added so far; call at the end of a flight.

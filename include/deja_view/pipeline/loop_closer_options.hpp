@@ -51,7 +51,9 @@ struct SolveOptions {
   int most_nodes = 500;  ///< that are solved where no loop was a surprise: the newest, and around
   int latency = 2;       ///< keyframes until a solution is taken over...
   int nodes_per_latency =
-      300;             ///< ...and one more per so many nodes, so that it never has to be waited for
+      300;  ///< ...and one more per so many nodes, so that it never has to be waited for
+  int measurement_latency =
+      12;              ///< keyframes from a loop until the VIO's own measurement of it is used
   bool at_end = true;  ///< OptimizeFully solves to convergence
 
   template <typename Visitor>
@@ -61,6 +63,7 @@ struct SolveOptions {
     v("most_nodes", most_nodes);
     v("latency", latency);
     v("nodes_per_latency", nodes_per_latency);
+    v("measurement_latency", measurement_latency);
     v("at_end", at_end);
   }
   std::vector<std::string> Validate() const;

@@ -76,10 +76,28 @@ TEST_F(RestartDetectorTest, AVioThatFindsItsScaleIsNone) {
   EXPECT_FALSE(add(0.2, 0.9));
 }
 
-TEST_F(RestartDetectorTest, NewTracksAfterASilenceAreNone) {
+TEST_F(RestartDetectorTest, NewTracksWithoutASilenceAreNone) {
   Add(0, 0, 0);
   Add(0.2, 0.1, 0);
-  EXPECT_FALSE(Add(1.6, 0.9, 100));
+  EXPECT_FALSE(Add(1.1, 0.6, 100));
+}
+
+// As VINS-Mono, whose new world begins where it is, not where it was.
+TEST_F(RestartDetectorTest, NewTracksAfterASilenceAreOneEvenNearby) {
+  Add(0, 0, 0);
+  Add(0.2, 0.1, 0);
+  EXPECT_TRUE(Add(1.6, 0.9, 100));
+  EXPECT_FALSE(Add(1.8, 1.0, 102));
+}
+
+// A front end that has just begun to follow corners has no points yet.
+TEST_F(RestartDetectorTest, NoPointsAfterASilenceAreOne) {
+  Add(0, 0, 0);
+  Add(0.2, 0.1, 0);
+  EXPECT_FALSE(detector_.Add(400000000, At(0.2), {}));
+  Add(0.6, 0.3, 0);
+  Add(0.8, 0.4, 0);
+  EXPECT_TRUE(detector_.Add(1900000000, At(0.9), {}));
 }
 
 TEST_F(RestartDetectorTest, NewTracksInAFastTurnAreNone) {

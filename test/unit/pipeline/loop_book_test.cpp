@@ -143,7 +143,7 @@ TEST(LoopBook, AWithdrawnLoopIsGone) {
   EXPECT_EQ(withdrawn[0].reason, RejectReason::kWithdrawn);
   EXPECT_FALSE(withdrawn[0].accepted());
   EXPECT_THAT(OldOf(book.Accepted()), ElementsAre(3, 7, 9));
-  EXPECT_FALSE(book.Refine(5, 5 + kPerRound, Loop(5).T_Bold_Bcurrent, &graph));
+  EXPECT_FALSE(book.Refine({5, 5 + kPerRound, Loop(5).T_Bold_Bcurrent}, &graph));
 }
 
 TEST(LoopBook, KeepsWhatIsOfUse) {
@@ -179,11 +179,13 @@ TEST(LoopBook, RefinesAnAcceptedLoopByANearbyMeasurement) {
     return T;
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(book.Refine(5, 5 + kPerRound, moved(5, 0.6), &graph));
-  EXPECT_FALSE(book.Refine(5, 5 + kPerRound, moved(5, nan), &graph));
-  EXPECT_FALSE(book.Refine(5, 6 + kPerRound, moved(5, 0), &graph)) << "no such loop";
-  EXPECT_FALSE(book.Refine(9, 9 + kPerRound, moved(9, 0), &graph)) << "not in the graph";
-  EXPECT_TRUE(book.Refine(5, 5 + kPerRound, moved(5, 0.1), &graph));
+  EXPECT_FALSE(book.Refine({5, 5 + kPerRound, moved(5, 0.6)}, &graph));
+  EXPECT_FALSE(book.Refine({5, 5 + kPerRound, moved(5, nan)}, &graph));
+  EXPECT_FALSE(book.Refine({5, 6 + kPerRound, moved(5, 0)}, &graph)) << "no such loop";
+  EXPECT_FALSE(book.Refine({9, 9 + kPerRound, moved(9, 0)}, &graph)) << "not in the graph";
+  EXPECT_TRUE(book.CanRefine({5, 5 + kPerRound, moved(5, 0.1)}, graph));
+  EXPECT_EQ(graph.loop(1).T_from_to.t, moved(5, 0).t);
+  EXPECT_TRUE(book.Refine({5, 5 + kPerRound, moved(5, 0.1)}, &graph));
   EXPECT_EQ(graph.loop(1).T_from_to.t, moved(5, 0.1).t);
   EXPECT_EQ(book.Accepted()[1].T_Bold_Bcurrent.t, moved(5, 0.1).t);
   EXPECT_EQ(graph.loop(0).T_from_to.t, moved(3, 0).t);

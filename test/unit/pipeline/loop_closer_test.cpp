@@ -273,7 +273,44 @@ TEST(LoopCloser, TakesTheVioMeasurementOfALoopWhenItIsNear) {
   EXPECT_FALSE(closer.UpdateLoop(-1, near));
   EXPECT_EQ(pose().t, before.t);
   EXPECT_TRUE(closer.UpdateLoop(current, near));
+  closer.OptimizeFully();
   EXPECT_EQ(pose().t, near.t) << "the loop that the VIO was told of, and no other";
+}
+
+/// Flies to the end with the VIO's measurement of a loop, half a metre off, that comes `late`
+/// keyframes after the loop's; the drift after each keyframe from the loop's on.
+std::vector<Eigen::Vector3d> DriftsWithMeasurement(int late) {
+  LoopCloser closer = MakeCloser(1);
+  int current = 0;
+  const auto relocalisation = FlyUntilRelocalised(&closer, &current);
+  EXPECT_TRUE(relocalisation);
+  std::vector<Eigen::Vector3d> drifts;
+  const auto& keyframes = SmallFlight(1).keyframes;
+  for (int i = current; i < static_cast<int>(keyframes.size()); ++i) {
+    if (i > current) {
+      closer.AddKeyframe(keyframes[static_cast<std::size_t>(i)]);
+    }
+    for (const LoopReport& loop : closer.accepted_loops()) {
+      if (i == current + late && loop.current == current && loop.old == relocalisation->old) {
+        Rigid3 measured = loop.T_Bold_Bcurrent;
+        measured.t.x() += 0.4;
+        EXPECT_TRUE(closer.UpdateLoop(current, measured));
+      }
+    }
+    drifts.push_back(closer.drift().t);
+  }
+  closer.OptimizeFully();
+  drifts.push_back(closer.drift().t);
+  return drifts;
+}
+
+TEST(LoopCloser, ItMattersNotBetweenWhichKeyframesTheVioMeasures) {
+  const int latency = FlightOptions().solve.measurement_latency;
+  const auto at_once = DriftsWithMeasurement(0);
+  ASSERT_GT(static_cast<int>(at_once.size()), latency + 2) << "else there is nothing to see";
+  EXPECT_EQ(at_once, DriftsWithMeasurement(1));
+  EXPECT_EQ(at_once, DriftsWithMeasurement(latency - 1));
+  EXPECT_NE(at_once, DriftsWithMeasurement(static_cast<int>(at_once.size())));
 }
 
 TEST(LoopCloser, UsesANewExtrinsicFromTheNextKeyframeOn) {
