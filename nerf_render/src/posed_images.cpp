@@ -113,18 +113,6 @@ double Quantile(std::vector<double>* values, double share) {
   return *at;
 }
 
-/// Grows as blur goes; of images of the same scene alone.
-double Sharpness(const PosedImage& image) {
-  LoadOptions options;
-  options.scale = 0.5;  // below, pixels' noise counts as much as edges
-  options.depth_step_px = 0;
-  options.threads = 1;
-  const cv::Mat pixels = LoadViews({image}, options)[0].image;
-  cv::Mat edges;
-  cv::Laplacian(pixels, edges, CV_32F);
-  return cv::norm(edges, cv::NORM_L2SQR) / std::max(1.0, cv::norm(pixels, cv::NORM_L2SQR));
-}
-
 }  // namespace
 
 std::vector<TrainingView> LoadViews(const std::vector<PosedImage>& images,
@@ -247,25 +235,6 @@ void DropStrayPoints(std::vector<PosedImage>* images) {
     const auto is_stray = [&](const DepthPoint& p) { return !box.contains(Position(image, p)); };
     points.erase(std::remove_if(points.begin(), points.end(), is_stray), points.end());
   }
-}
-
-std::vector<PosedImage> KeepSharpest(const std::vector<PosedImage>& images,
-                                     int every,
-                                     int threads) {
-  std::vector<double> sharpness(images.size());
-  ParallelFor(threads, images.size(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      sharpness[i] = Sharpness(images[i]);
-    }
-  });
-  std::vector<PosedImage> kept;
-  for (std::size_t begin = 0; begin < images.size(); begin += static_cast<std::size_t>(every)) {
-    const std::size_t end = std::min(images.size(), begin + static_cast<std::size_t>(every));
-    const auto first = sharpness.begin() + static_cast<std::ptrdiff_t>(begin);
-    const auto last = sharpness.begin() + static_cast<std::ptrdiff_t>(end);
-    kept.push_back(images[begin + static_cast<std::size_t>(std::max_element(first, last) - first)]);
-  }
-  return kept;
 }
 
 Split HoldOut(const std::vector<PosedImage>& images, int every) {

@@ -220,7 +220,6 @@ class MapMaker {
     input.poses = path("bundle/poses.txt");
     input.skip_missing = true;
     input.every = std::max(1, (images_ + kImages / 2) / kImages);
-    input.sharpest = true;
     return input;
   }
 

@@ -60,7 +60,6 @@ void AddImageOptions(CLI::App* sub, NerfInput* input) {
   sub->add_option("--every", input->every, "Take every N-th image")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  sub->add_flag("--sharpest", input->sharpest, "Of every N images the sharpest, not the first");
   sub->add_option("--holdout",
                   input->holdout,
                   "Hold out every N-th image, and those with a depth map where at most half of the "

@@ -96,12 +96,8 @@ nerf::Split ReadNerfInput(const NerfInput& input) {
   CheckSources(input);
   Images all = ReadImages(input);
   Images images;
-  if (input.sharpest && input.every > 1) {
-    images = nerf::KeepSharpest(all, input.every, 0);
-  } else {
-    for (std::size_t i = 0; i < all.size(); i += static_cast<std::size_t>(input.every)) {
-      images.push_back(std::move(all[i]));
-    }
+  for (std::size_t i = 0; i < all.size(); i += static_cast<std::size_t>(input.every)) {
+    images.push_back(std::move(all[i]));
   }
   if (!input.points.empty()) {
     AddPoints(input.points, &images);

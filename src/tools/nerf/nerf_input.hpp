@@ -24,8 +24,7 @@ struct NerfInput {
   std::string pose_topic;        ///< in `poses` if that is a bag, otherwise in `bag`
   std::filesystem::path points;  ///< VINS-Mono's bag; empty: no depth points but the input's own
   bool skip_missing = false;     ///< leave out images without pose and poses without image
-  int every = 1;                 ///< take one of every N images: the first,
-  bool sharpest = false;         ///< or the sharpest
+  int every = 1;                 ///< take every N-th image
   int holdout = 20;              ///< every N-th of these is held out; 0: none
   double scale = 1;              ///< of the images against their files, at most 1
   int max_side = 0;              ///< shrink to this longest side [px]; 0: as they are

@@ -6,7 +6,6 @@
 
 #include "image_files.hpp"
 #include <gmock/gmock.h>
-#include <opencv2/imgproc.hpp>
 
 namespace deja_view::nerf {
 namespace {
@@ -46,39 +45,6 @@ TEST_F(PosedImagesTest, LoadShrinksToTheLongestSide) {
   EXPECT_EQ(LoadViews({MakeImage()}, options)[0].image.size(), cv::Size(16, 12));
   options.scale = 0.5;
   EXPECT_EQ(LoadViews({MakeImage()}, options)[0].image.size(), cv::Size(8, 6));
-}
-
-TEST_F(PosedImagesTest, KeepsTheSharpestOfSome) {
-  cv::Mat sharp(12, 16, CV_8UC1);
-  cv::randu(sharp, 0, 255);
-  cv::resize(sharp(cv::Rect(0, 0, 8, 6)), sharp, sharp.size(), 0, 0, cv::INTER_NEAREST);
-  const auto blurred = [&](double sigma, double gain) {
-    PosedImage image = MakeImage();
-    image.read = [=] {
-      cv::Mat pixels = sharp.clone();
-      if (sigma > 0) {
-        cv::GaussianBlur(pixels, pixels, {}, sigma);
-      }
-      return cv::Mat(gain * pixels);
-    };
-    return image;
-  };
-  // The second group is dark where it is sharp; the last has one image alone.
-  std::vector<PosedImage> images = {blurred(2, 1),
-                                    blurred(0, 1),
-                                    blurred(1, 1),
-                                    blurred(1, 1),
-                                    blurred(2, 1),
-                                    blurred(0, 0.3),
-                                    blurred(3, 1)};
-  for (std::size_t i = 0; i < images.size(); ++i) {
-    images[i].stamp_ns = static_cast<std::int64_t>(i);
-  }
-  std::vector<std::int64_t> kept;
-  for (const PosedImage& image : KeepSharpest(images, 3, 2)) {
-    kept.push_back(image.stamp_ns);
-  }
-  EXPECT_EQ(kept, std::vector<std::int64_t>({1, 5, 6}));
 }
 
 TEST_F(PosedImagesTest, LoadTakesImagesThatAreNoFiles) {

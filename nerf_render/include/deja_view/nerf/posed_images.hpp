@@ -71,10 +71,6 @@ cv::Mat ReadImageDepth(const PosedImage& image);
 /// by a tenth: strays of a triangulation, which would blow up the scene's box.
 void DropStrayPoints(std::vector<PosedImage>* images);
 
-/// Of every `every` images one after the other the sharpest: that whose Laplacian at half size has
-/// the most energy, over the image's own. Throws InputError as LoadViews.
-std::vector<PosedImage> KeepSharpest(const std::vector<PosedImage>& images, int every, int threads);
-
 /// Who learns from which images.
 struct Split {
   std::vector<PosedImage> training;
