@@ -3,7 +3,9 @@
 #include "kernels.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <vector>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels.cpp"
@@ -17,9 +19,10 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Four vectors of sums at a time: each is loaded and stored once for all bitmaps.
+// sums[slot] += weight for all slots of all bitmaps, bitmap after bitmap. Four vectors of sums at a
+// time: each is loaded and stored once for all bitmaps.
 template <typename Sum>
-void AddAll(const std::vector<WeightedBitmap<Sum>>& bitmaps, std::uint32_t words, Sum* sums) {
+void AddEach(const std::vector<WeightedBitmap<Sum>>& bitmaps, std::uint32_t words, Sum* sums) {
   const hn::CappedTag<Sum, 16> d;
   const auto lanes = static_cast<std::uint32_t>(hn::Lanes(d));
   for (std::uint32_t begin = 0; begin < 32 * words; begin += 4 * lanes) {
@@ -51,6 +54,143 @@ void AddAll(const std::vector<WeightedBitmap<Sum>>& bitmaps, std::uint32_t words
     hn::StoreU(s1, d, here + lanes);
     hn::StoreU(s2, d, here + 2 * lanes);
     hn::StoreU(s3, d, here + 3 * lanes);
+  }
+}
+
+// The bitmaps whose weight has a certain bit, a multiple of kAddedAtOnce, the last ones empty.
+template <typename Sum>
+using BitmapsOfBit = std::vector<WeightedBitmap<Sum>>;
+
+constexpr std::size_t kAddedAtOnce = 8;
+
+/// Sums of a block of slots as binary numbers that stand upright: bit b of all slots' sums is one
+/// row of bits. A bitmap is then added to all slots of a row by a few logical operations (a
+/// carry-save adder; Harley and Seal's way to count bits), whatever its weight.
+template <typename Sum>
+class UprightSums {
+ public:
+  static constexpr std::size_t kBits = 8 * sizeof(Sum);
+
+  /// Bits above `used_bits` stay 0.
+  explicit UprightSums(std::size_t used_bits) : used_bits_(used_bits) {}
+
+  const std::uint32_t* row(std::size_t bit) const { return rows_[bit]; }
+  void Clear() { std::memset(rows_, 0, sizeof(rows_)); }
+
+  /// Adds 2^bit to the slots of each bitmap, whose words from `begin` on are the block's.
+  HWY_INLINE void Add(const BitmapsOfBit<Sum>& bitmaps, std::size_t bit, std::uint32_t begin) {
+    for (std::uint32_t at = 0; at < kBlockWords; at += Lanes()) {
+      auto ones = hn::Load(kTag, rows_[bit] + at);
+      auto twos = hn::Load(kTag, rows_[bit + 1] + at);
+      auto fours = hn::Load(kTag, rows_[bit + 2] + at);
+      for (std::size_t i = 0; i < bitmaps.size(); i += kAddedAtOnce) {
+        const auto load = [&](std::size_t k) HWY_ATTR {
+          const WeightedBitmap<Sum>& bitmap = bitmaps[i + k];
+          return hn::LoadU(kTag, (begin < bitmap.words ? bitmap.bits + begin : kEmpty) + at);
+        };
+        auto twos_a = ones;
+        auto twos_b = ones;
+        auto fours_a = ones;
+        auto fours_b = ones;
+        auto eights = ones;
+        AddBits(load(0), load(1), &ones, &twos_a);
+        AddBits(load(2), load(3), &ones, &twos_b);
+        AddBits(twos_a, twos_b, &twos, &fours_a);
+        AddBits(load(4), load(5), &ones, &twos_a);
+        AddBits(load(6), load(7), &ones, &twos_b);
+        AddBits(twos_a, twos_b, &twos, &fours_b);
+        AddBits(fours_a, fours_b, &fours, &eights);
+        for (std::size_t row = bit + 3; row < used_bits_; ++row) {
+          const auto sum = hn::Load(kTag, rows_[row] + at);
+          hn::Store(hn::Xor(sum, eights), kTag, rows_[row] + at);
+          eights = hn::And(sum, eights);
+        }
+      }
+      hn::Store(ones, kTag, rows_[bit] + at);
+      hn::Store(twos, kTag, rows_[bit + 1] + at);
+      hn::Store(fours, kTag, rows_[bit + 2] + at);
+    }
+  }
+
+ private:
+  using Tag = hn::CappedTag<std::uint32_t, kBlockWords>;
+  using Bits = hn::Vec<Tag>;
+  static constexpr Tag kTag{};
+  alignas(64) static constexpr std::uint32_t kEmpty[kBlockWords] = {};
+
+  static HWY_INLINE std::uint32_t Lanes() { return static_cast<std::uint32_t>(hn::Lanes(kTag)); }
+
+  // sum + a + b of each bit; what is carried goes to `carry`.
+  static HWY_INLINE void AddBits(Bits a, Bits b, Bits* sum, Bits* carry) {
+    const auto differ = hn::Xor(a, b);
+    *carry = hn::Or(hn::And(a, b), hn::And(differ, *sum));
+    *sum = hn::Xor(differ, *sum);
+  }
+
+  std::size_t used_bits_;
+  alignas(64) std::uint32_t rows_[kBits + 3][kBlockWords] = {};  // what is beyond is cut off
+};
+
+template <typename Sum>
+std::size_t BitsOfTotal(const std::vector<WeightedBitmap<Sum>>& bitmaps) {
+  double total = 0;
+  for (const WeightedBitmap<Sum>& bitmap : bitmaps) {
+    total += static_cast<double>(bitmap.weight);
+  }
+  const int bits = total > 0 ? std::ilogb(total) + 2 : 1;  // one more, since it is rounded
+  return std::min<std::size_t>(8 * sizeof(Sum), static_cast<std::size_t>(bits));
+}
+
+template <typename Sum>
+std::vector<BitmapsOfBit<Sum>> SortByBit(const std::vector<WeightedBitmap<Sum>>& bitmaps) {
+  std::vector<BitmapsOfBit<Sum>> of_bit(8 * sizeof(Sum));
+  for (const WeightedBitmap<Sum>& bitmap : bitmaps) {
+    for (std::size_t bit = 0; bit < of_bit.size(); ++bit) {
+      if ((bitmap.weight >> bit & 1U) != 0) {
+        of_bit[bit].push_back(bitmap);
+      }
+    }
+  }
+  for (BitmapsOfBit<Sum>& its : of_bit) {
+    while (its.size() % kAddedAtOnce != 0) {
+      its.push_back({nullptr, 0, 0});
+    }
+  }
+  return of_bit;
+}
+
+// Hundreds of bitmaps are more than what the processor sees coming by itself.
+template <typename Sum>
+void Prefetch(const std::vector<WeightedBitmap<Sum>>& bitmaps, std::uint32_t begin) {
+  for (const WeightedBitmap<Sum>& bitmap : bitmaps) {
+    if (begin < bitmap.words) {
+      constexpr int kRead = 0;
+      constexpr int kSecondLevel = 2;  // the first one is full of the block before
+      __builtin_prefetch(bitmap.bits + begin, kRead, kSecondLevel);
+    }
+  }
+}
+
+template <typename Sum>
+void AddAll(const std::vector<WeightedBitmap<Sum>>& bitmaps, std::uint32_t words, Sum* sums) {
+  constexpr std::size_t kFew = 32;  // for which it is not worth while
+  if (bitmaps.size() < kFew) {
+    AddEach(bitmaps, words, sums);
+    return;
+  }
+  const std::vector<BitmapsOfBit<Sum>> of_bit = SortByBit(bitmaps);
+  UprightSums<Sum> upright(BitsOfTotal(bitmaps));
+  std::vector<WeightedBitmap<Sum>> rows;
+  for (std::size_t bit = 0; bit < BitsOfTotal(bitmaps); ++bit) {
+    rows.push_back({upright.row(bit), kBlockWords, Sum{1} << bit});
+  }
+  for (std::uint32_t begin = 0; begin < words; begin += kBlockWords) {
+    Prefetch(bitmaps, begin + kBlockWords);
+    upright.Clear();
+    for (std::size_t bit = 0; bit < of_bit.size(); ++bit) {
+      upright.Add(of_bit[bit], bit, begin);
+    }
+    AddEach(rows, kBlockWords, sums + std::size_t{32} * begin);
   }
 }
 

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "slot_set.hpp"
+
 namespace deja_view::internal {
 
 /// A bitmap of slots, and what to add to the sum of each.

@@ -5,7 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <functional>
+#include <map>
 #include <utility>
+
+#include "weighted_index.hpp"
 
 namespace deja_view {
 
@@ -20,16 +25,98 @@ std::vector<std::string> ScoringOptions::Validate() const {
   return require.errors();
 }
 
-ScoredPlaces::ScoredPlaces(const ScoringOptions& options,
-                           std::shared_ptr<const Vocabulary> vocabulary)
-    : options_(options), vocabulary_(std::move(vocabulary)), postings_(vocabulary_->word_count()) {
+namespace {
+
+/// Keeps the best places of those offered.
+class BestPlaces {
+ public:
+  explicit BestPlaces(std::size_t count) : count_(count) {}
+
+  /// A place whose score is below this can't be among them any more.
+  double threshold() const { return heap_.size() < count_ ? 0.0 : heap_.front().score; }
+
+  void Offer(const ScoredPlace& place) {
+    if (!(std::max(place.original, place.virtual_view) > 0)) {
+      return;
+    }
+    if (heap_.size() == count_) {
+      if (!IsBetter(place, heap_.front())) {
+        return;
+      }
+      std::pop_heap(heap_.begin(), heap_.end(), &IsBetter);
+      heap_.pop_back();
+    }
+    heap_.push_back(place);
+    std::push_heap(heap_.begin(), heap_.end(), &IsBetter);
+  }
+
+  /// Best first.
+  std::vector<ScoredPlace> Take() {
+    std::sort_heap(heap_.begin(), heap_.end(), &IsBetter);
+    return std::move(heap_);
+  }
+
+ private:
+  static bool IsBetter(const ScoredPlace& a, const ScoredPlace& b) {
+    return a.score != b.score ? a.score > b.score : a.id < b.id;
+  }
+
+  std::size_t count_;
+  std::vector<ScoredPlace> heap_;  // the worst in front
+};
+
+constexpr float kNoView = -1;
+
+}  // namespace
+
+class ScoredPlaces::Impl {
+ public:
+  Impl(const ScoringOptions& options, std::shared_ptr<const Vocabulary> vocabulary);
+
+  void Add(int id, const BowVector& bow, int tag);
+  void Remove(int id, int tag);
+  void Clear();
+  WeightedBow Weigh(const BowVector& bow) const;
+  std::vector<ScoredPlace> Query(const WeightedBow& query, int max_id, std::size_t count) const;
+  std::size_t memory_bytes() const;
+
+ private:
+  struct Image {
+    int tag = 0;
+    std::uint32_t slot = 0;
+  };
+  struct Place {
+    int id = -1;
+    std::vector<Image> images;
+  };
+
+  double Combined(double original, double view) const;
+  double MostScore(float cosine) const;
+  std::vector<std::uint32_t> LargestOf(const std::vector<float>& bounds,
+                                       int max_id,
+                                       std::size_t count) const;
+  ScoredPlace Score(const Place& place, const std::vector<float>& query) const;
+
+  ScoringOptions options_;
+  std::shared_ptr<const Vocabulary> vocabulary_;
+  std::shared_ptr<const SynonymKernel> kernel_;
+  internal::WeightedIndex index_;
+  std::vector<std::uint32_t> owners_;  ///< indices in places_, of the index's slots
+  std::vector<Place> places_;
+  std::map<int, std::uint32_t> place_of_;  ///< index in places_ of an id
+  bool has_views_ = false;
+};
+
+ScoredPlaces::Impl::Impl(const ScoringOptions& options,
+                         std::shared_ptr<const Vocabulary> vocabulary)
+    : options_(options), vocabulary_(std::move(vocabulary)), index_(vocabulary_) {
   if (options_.weights == WordWeighting::kSynonym) {
     kernel_ = std::make_shared<SynonymKernel>(
         vocabulary_, options_.synonym_radius, options_.synonym_sigma);
   }
 }
 
-WeightedBow ScoredPlaces::Weigh(const BowVector& bow) const {
+WeightedBow ScoredPlaces::Impl::Weigh(const BowVector& bow) const {
   WeightedBow words =
       WeighWords(TfIdf(bow, [this](WordId word) { return double{vocabulary_->Idf(word)}; }),
                  options_.weights,
@@ -44,92 +131,167 @@ WeightedBow ScoredPlaces::Weigh(const BowVector& bow) const {
   return words;
 }
 
-void ScoredPlaces::Add(int id, const BowVector& bow, int tag) {
-  const auto [place, is_new] = place_of_.try_emplace(id, static_cast<int>(ids_.size()));
+void ScoredPlaces::Impl::Add(int id, const BowVector& bow, int tag) {
+  const auto [found, is_new] =
+      place_of_.try_emplace(id, static_cast<std::uint32_t>(places_.size()));
   if (is_new) {
-    ids_.push_back(id);
+    places_.push_back({id, {}});
   }
-  const auto entry = static_cast<std::uint32_t>(entries_.size());
-  for (const WeightedWord& w : Weigh(bow)) {
-    postings_.at(w.word).push_back({entry, static_cast<float>(w.weight)});
+  const std::uint32_t slot = index_.Add(bow, Weigh(bow));
+  owners_.resize(index_.slot_count());
+  owners_[slot] = found->second;
+  has_views_ |= tag != 0;
+  places_[found->second].images.push_back({tag, slot});
+}
+
+void ScoredPlaces::Impl::Remove(int id, int tag) {
+  const auto place = place_of_.find(id);
+  if (place == place_of_.end()) {
+    return;
   }
-  entries_.push_back({place->second, tag});
+  std::vector<Image>& images = places_[place->second].images;
+  const auto image = std::find_if(
+      images.begin(), images.end(), [tag](const Image& other) { return other.tag == tag; });
+  if (image != images.end()) {
+    index_.Remove(image->slot);
+    images.erase(image);
+  }
+}
+
+void ScoredPlaces::Impl::Clear() {
+  index_.Clear();
+  owners_.clear();
+  places_.clear();
+  place_of_.clear();
+  has_views_ = false;
+}
+
+double ScoredPlaces::Impl::Combined(double original, double view) const {
+  return CombineScores(original, view, {options_.alpha, options_.beta}).score;
+}
+
+// The combined score is convex in either cosine, so that the largest of all up to `cosine` is at a
+// corner. (It may fall when a view gets more alike.)
+double ScoredPlaces::Impl::MostScore(float cosine) const {
+  constexpr double kRounding = 1.000001;
+  const auto c = static_cast<double>(std::min(1.0F, cosine));
+  return kRounding * (has_views_ ? std::max({Combined(c, c), Combined(c, 0), Combined(0, c)}) : c);
+}
+
+// The slots of the `count` largest bounds above 0, of places that are asked for.
+std::vector<std::uint32_t> ScoredPlaces::Impl::LargestOf(const std::vector<float>& bounds,
+                                                         int max_id,
+                                                         std::size_t count) const {
+  using Bound = std::pair<float, std::uint32_t>;
+  std::vector<Bound> heap;  // the smallest in front
+  float threshold = 0;
+  for (std::uint32_t slot = 0; slot < bounds.size(); ++slot) {
+    if (!(bounds[slot] > threshold) || places_[owners_[slot]].id > max_id) {
+      continue;
+    }
+    if (heap.size() == count) {
+      std::pop_heap(heap.begin(), heap.end(), std::greater<Bound>());
+      heap.pop_back();
+    }
+    heap.emplace_back(bounds[slot], slot);
+    std::push_heap(heap.begin(), heap.end(), std::greater<Bound>());
+    threshold = heap.size() == count ? heap.front().first : 0.0F;
+  }
+  std::vector<std::uint32_t> largest;
+  largest.reserve(heap.size());
+  for (const auto& [bound, slot] : heap) {
+    largest.push_back(slot);
+  }
+  return largest;
+}
+
+ScoredPlace ScoredPlaces::Impl::Score(const Place& place, const std::vector<float>& query) const {
+  float original = 0;
+  float best_view = kNoView;
+  for (const Image& image : place.images) {
+    const float cosine = std::min(1.0F, index_.Dot(image.slot, query));
+    if (image.tag == 0) {
+      original = cosine;
+    } else {
+      best_view = std::max(best_view, cosine);
+    }
+  }
+  const auto o = static_cast<double>(original);
+  const double v = best_view == kNoView ? o : static_cast<double>(best_view);
+  return {place.id, o, v, Combined(o, v)};
+}
+
+std::vector<ScoredPlace> ScoredPlaces::Impl::Query(const WeightedBow& query,
+                                                   int max_id,
+                                                   std::size_t count) const {
+  if (count == 0) {
+    return {};
+  }
+  const std::vector<float> bounds = index_.Bounds(query);
+  const std::vector<float> weights = index_.Spread(query);
+  BestPlaces best(count);
+  std::vector<bool> is_scored(places_.size());
+  const auto offer = [&](std::uint32_t slot) {
+    const Place& place = places_[owners_[slot]];
+    if (place.id <= max_id && !is_scored[owners_[slot]]) {
+      is_scored[owners_[slot]] = true;
+      best.Offer(Score(place, weights));
+    }
+  };
+  // These raise the threshold so far that hardly any other place is left to be scored.
+  for (const std::uint32_t slot : LargestOf(bounds, max_id, count)) {
+    offer(slot);
+  }
+  for (std::uint32_t slot = 0; slot < bounds.size(); ++slot) {
+    if (bounds[slot] > 0 && MostScore(bounds[slot]) >= best.threshold()) {
+      offer(slot);
+    }
+  }
+  return best.Take();
+}
+
+std::size_t ScoredPlaces::Impl::memory_bytes() const {
+  constexpr std::size_t kMapNode = 48;
+  std::size_t bytes = index_.memory_bytes() + owners_.capacity() * sizeof(std::uint32_t) +
+                      places_.capacity() * sizeof(Place) + place_of_.size() * kMapNode;
+  for (const Place& place : places_) {
+    bytes += place.images.capacity() * sizeof(Image);
+  }
+  return bytes;
+}
+
+ScoredPlaces::ScoredPlaces(const ScoringOptions& options,
+                           std::shared_ptr<const Vocabulary> vocabulary)
+    : impl_(std::make_unique<Impl>(options, std::move(vocabulary))) {}
+
+ScoredPlaces::~ScoredPlaces() = default;
+ScoredPlaces::ScoredPlaces(ScoredPlaces&&) noexcept = default;
+ScoredPlaces& ScoredPlaces::operator=(ScoredPlaces&&) noexcept = default;
+
+void ScoredPlaces::Add(int id, const BowVector& bow, int tag) {
+  impl_->Add(id, bow, tag);
 }
 
 void ScoredPlaces::Remove(int id, int tag) {
-  const auto place = place_of_.find(id);
-  for (Entry& entry : entries_) {
-    if (place != place_of_.end() && entry.place == place->second && entry.tag == tag) {
-      entry.place = kRemoved;
-    }
-  }
+  impl_->Remove(id, tag);
 }
 
 void ScoredPlaces::Clear() {
-  entries_.clear();
-  ids_.clear();
-  place_of_.clear();
-  postings_.assign(postings_.size(), {});
+  impl_->Clear();
 }
 
-// Per place the cosines of its original image (0 without) and of its best view (-1 without).
-std::vector<ScoredPlaces::Cosines> ScoredPlaces::CosinesWith(const WeightedBow& query) const {
-  std::vector<float> of_entry(entries_.size(), 0.0F);
-  for (const WeightedWord& w : query) {
-    const auto weight = static_cast<float>(w.weight);
-    for (const Posting& posting : postings_.at(w.word)) {
-      of_entry[posting.entry] += weight * posting.weight;
-    }
-  }
-  std::vector<Cosines> of_place(ids_.size());
-  for (std::size_t i = 0; i < entries_.size(); ++i) {
-    if (entries_[i].place == kRemoved) {
-      continue;
-    }
-    Cosines& place = of_place[static_cast<std::size_t>(entries_[i].place)];
-    const float cosine = std::min(1.0F, of_entry[i]);
-    if (entries_[i].tag == 0) {
-      place.original = cosine;
-    } else {
-      place.best_view = std::max(place.best_view, cosine);
-    }
-  }
-  return of_place;
+WeightedBow ScoredPlaces::Weigh(const BowVector& bow) const {
+  return impl_->Weigh(bow);
 }
 
 std::vector<ScoredPlace> ScoredPlaces::Query(const WeightedBow& query,
                                              int max_id,
                                              std::size_t count) const {
-  const std::vector<Cosines> cosines = CosinesWith(query);
-  std::vector<ScoredPlace> places;
-  for (std::size_t i = 0; i < ids_.size(); ++i) {
-    const double original = static_cast<double>(cosines[i].original);
-    const double view =
-        cosines[i].best_view < 0 ? original : static_cast<double>(cosines[i].best_view);
-    if (ids_[i] <= max_id && std::max(original, view) > 0) {
-      const double score = CombineScores(original, view, {options_.alpha, options_.beta}).score;
-      places.push_back({ids_[i], original, view, score});
-    }
-  }
-  const std::size_t kept = std::min(places.size(), count);
-  std::partial_sort(places.begin(),
-                    places.begin() + static_cast<std::ptrdiff_t>(kept),
-                    places.end(),
-                    [](const ScoredPlace& a, const ScoredPlace& b) {
-                      return a.score != b.score ? a.score > b.score : a.id < b.id;
-                    });
-  places.resize(kept);
-  return places;
+  return impl_->Query(query, max_id, count);
 }
 
 std::size_t ScoredPlaces::memory_bytes() const {
-  constexpr std::size_t kPerPlace = sizeof(int) + 48;  // a number, and a node of the map
-  std::size_t bytes = entries_.capacity() * sizeof(Entry) + ids_.size() * kPerPlace +
-                      postings_.capacity() * sizeof(std::vector<Posting>);
-  for (const auto& postings : postings_) {
-    bytes += postings.capacity() * sizeof(Posting);
-  }
-  return bytes;
+  return impl_->memory_bytes();
 }
 
 }  // namespace deja_view

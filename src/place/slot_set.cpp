@@ -8,7 +8,7 @@ namespace {
 // A set becomes a bitmap when it holds more than one slot in this many; measured, going through the
 // list takes longer from there on. It stays one, for a bitmap ends with its last slot and so costs
 // no more when the database grows.
-constexpr std::uint32_t kBitmapRatio = 20;
+constexpr std::uint32_t kBitmapRatio = 40;
 constexpr std::uint32_t kSmallestBitmap = 64;  // slots; before, a list does as well
 
 // A quarter more, which wastes an eighth on average.
@@ -65,11 +65,18 @@ void SlotSet::Add(std::uint32_t slot, std::uint32_t slots) {
 
 void SlotSet::Remove(std::uint32_t slot) {
   if (is_bitmap_) {
-    data_[slot / 32] &= ~(1U << (slot % 32));
-  } else {
-    *std::find(data_.get(), data_.get() + size_, slot) = data_[size_ - 1];
+    const std::uint32_t bit = 1U << (slot % 32);
+    if (slot / 32 < capacity_ && (data_[slot / 32] & bit) != 0) {
+      data_[slot / 32] &= ~bit;
+      --size_;
+    }
+    return;
   }
-  --size_;
+  std::uint32_t* const end = data_.get() + size_;
+  std::uint32_t* const found = std::find(data_.get(), end, slot);
+  if (found != end) {
+    *found = data_[--size_];
+  }
 }
 
 void RepeatList::Add(std::uint32_t slot, std::uint32_t count) {
@@ -81,10 +88,12 @@ void RepeatList::Add(std::uint32_t slot, std::uint32_t count) {
 }
 
 void RepeatList::Remove(std::uint32_t slot) {
-  *std::find_if(data_.get(), data_.get() + size_, [slot](std::uint32_t entry) {
-    return entry >> 8U == slot;
-  }) = data_[size_ - 1];
-  --size_;
+  std::uint32_t* const end = data_.get() + size_;
+  std::uint32_t* const found =
+      std::find_if(data_.get(), end, [slot](std::uint32_t entry) { return entry >> 8U == slot; });
+  if (found != end) {
+    *found = data_[--size_];
+  }
 }
 
 }  // namespace deja_view::internal

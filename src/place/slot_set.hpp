@@ -6,8 +6,8 @@
 
 namespace deja_view::internal {
 
-/// Bitmaps come in blocks of 128 slots.
-constexpr std::uint32_t kBlockWords = 4;
+/// Bitmaps come in blocks of 512 slots, which is a cache line.
+constexpr std::uint32_t kBlockWords = 16;
 
 /// The slots (entries) that show a word: a list when they are few, else a bitmap, which is both
 /// smaller and faster to go through. 16 bytes, since there is one for each word.
@@ -22,8 +22,11 @@ class SlotSet {
   const std::uint32_t* bitmap() const { return data_.get(); }  ///< bitmap_words() x 32 slots
   std::uint32_t bitmap_words() const { return capacity_; }     ///< a multiple of kBlockWords
 
-  /// The start of the list or bitmap will be read soon.
+  /// The start of the list will be read soon; a bitmap waits for the others.
   void Prefetch() const {
+    if (is_bitmap_) {
+      return;
+    }
     // An address, not a pointer: it may lie beyond the end, or start from none.
     const auto start = reinterpret_cast<std::uintptr_t>(data_.get());
     for (std::uintptr_t offset = 0; offset < 512; offset += 64) {
@@ -34,7 +37,7 @@ class SlotSet {
   /// Adds a slot that is not in the set; `slots` is how many there are in the database.
   void Add(std::uint32_t slot, std::uint32_t slots);
 
-  /// Takes out a slot that is in the set.
+  /// Takes out a slot; does nothing where it is not in the set.
   void Remove(std::uint32_t slot);
 
   std::size_t memory_bytes() const { return capacity_ * sizeof(std::uint32_t); }
@@ -61,6 +64,7 @@ class RepeatList {
   void Prefetch() const { __builtin_prefetch(data_.get()); }
 
   void Add(std::uint32_t slot, std::uint32_t count);
+  /// Does nothing where the slot is not in the list.
   void Remove(std::uint32_t slot);
 
   std::size_t memory_bytes() const { return capacity_ * sizeof(std::uint32_t); }

@@ -3,8 +3,6 @@
 #include "deja_view/place/word_scoring.hpp"
 
 #include <cstddef>
-#include <cstdint>
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -49,11 +47,15 @@ struct ScoredPlace {
 };
 
 /// Weighted words of past keyframes, scored as the paper does. Weights are those of the
-/// vocabulary's idf, computed once when a place is added. Deterministic.
+/// vocabulary's idf, computed once when a place is added. Deterministic; const methods may be
+/// called from several threads.
 class ScoredPlaces {
  public:
   /// Makes the vocabulary's SynonymKernel when the weights need it.
   ScoredPlaces(const ScoringOptions& options, std::shared_ptr<const Vocabulary> vocabulary);
+  ~ScoredPlaces();
+  ScoredPlaces(ScoredPlaces&&) noexcept;
+  ScoredPlaces& operator=(ScoredPlaces&&) noexcept;
 
   /// `tag` 0: the original image, else a virtual one. (id, tag) must be new.
   void Add(int id, const BowVector& bow, int tag);
@@ -63,35 +65,15 @@ class ScoredPlaces {
   WeightedBow Weigh(const BowVector& bow) const;
 
   /// The best `count` places with an id of at most `max_id` and a score above 0, best first; ties
-  /// go to the lower id.
+  /// go to the lower id. Exact: bit for bit what scoring every place gives. `query` is of length 1,
+  /// as Weigh returns it.
   std::vector<ScoredPlace> Query(const WeightedBow& query, int max_id, std::size_t count) const;
 
   std::size_t memory_bytes() const;
 
  private:
-  static constexpr int kRemoved = -1;
-  struct Entry {
-    int place = kRemoved;  ///< index in ids_
-    int tag = 0;
-  };
-  struct Posting {
-    std::uint32_t entry = 0;
-    float weight = 0;  ///< an entry's weights are of length 1
-  };
-  struct Cosines {
-    float original = 0;
-    float best_view = -1;
-  };
-
-  std::vector<Cosines> CosinesWith(const WeightedBow& query) const;
-
-  ScoringOptions options_;
-  std::shared_ptr<const Vocabulary> vocabulary_;
-  std::shared_ptr<const SynonymKernel> kernel_;
-  std::vector<Entry> entries_;
-  std::vector<int> ids_;
-  std::map<int, int> place_of_;                 ///< index in ids_ of an id
-  std::vector<std::vector<Posting>> postings_;  ///< per word
+  class Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace deja_view

@@ -12,20 +12,23 @@ namespace {
 
 using test::OnEveryInstructionSet;
 
-TEST(PlaceKernels, AddBitmaps) {
+class AddBitmapsOf : public testing::TestWithParam<int> {};
+
+// Bitmaps of different lengths; the sums are those of the longest.
+TEST_P(AddBitmapsOf, AddsWeightsToSlots) {
   std::mt19937_64 rng(1);
-  // Bitmaps of different lengths; the sums are those of the longest.
   std::vector<std::vector<std::uint32_t>> bitmaps;
-  for (const std::uint32_t words : {4U, 36U, 20U, 4U}) {
-    bitmaps.emplace_back(words);
+  for (int i = 0; i < GetParam(); ++i) {
+    const std::uint32_t blocks[] = {1, 9, 5, 1};
+    bitmaps.emplace_back(kBlockWords * blocks[i % 4]);
     for (std::uint32_t& word : bitmaps.back()) {
       word = static_cast<std::uint32_t>(rng() & rng());
     }
   }
   std::vector<WeightedBitmap<std::uint32_t>> jobs;
   std::vector<WeightedBitmap<std::uint64_t>> jobs_64;
-  std::vector<std::uint32_t> start(36 * 32);
-  std::vector<std::uint64_t> start_64(36 * 32);
+  std::vector<std::uint32_t> start(9 * kBlockWords * 32);
+  std::vector<std::uint64_t> start_64(9 * kBlockWords * 32);
   for (std::size_t i = 0; i < start.size(); ++i) {
     start[i] = static_cast<std::uint32_t>(rng());
     start_64[i] = rng();
@@ -51,6 +54,9 @@ TEST(PlaceKernels, AddBitmaps) {
     EXPECT_EQ(sums_64, expected_64);
   });
 }
+
+// Few are added one by one, many bit by bit.
+INSTANTIATE_TEST_SUITE_P(Counts, AddBitmapsOf, testing::Values(1, 4, 31, 32, 100, 300));
 
 TEST(PlaceKernels, PassWhatReachesTheThreshold) {
   constexpr std::uint32_t kSlots = 800;

@@ -1,6 +1,9 @@
 #include "deja_view/place/scored_places.hpp"
 
+#include <algorithm>
+#include <map>
 #include <random>
+#include <vector>
 
 #include "random_vocabulary.hpp"
 #include <gtest/gtest.h>
@@ -72,6 +75,140 @@ INSTANTIATE_TEST_SUITE_P(Weightings,
                                          WordWeighting::kPrinted,
                                          WordWeighting::kText,
                                          WordWeighting::kSynonym));
+
+/// Images whose words are common and rare, once and often shown, as BowVector allows.
+BowVector SkewedWords(std::mt19937_64* rng) {
+  const std::uint64_t count = ScoredVocabulary()->word_count();
+  std::vector<WordId> words;
+  for (int i = 0; i < 30; ++i) {
+    const auto word = static_cast<WordId>((*rng)() % (1 + (*rng)() % count));
+    const std::size_t times = (*rng)() % 40 == 0 ? 300 : 1 + (*rng)() % 3;
+    words.insert(words.end(), times, word);
+  }
+  return CountWords(words);
+}
+
+/// All places scored one by one, in single precision, word by word.
+class PlainPlaces {
+ public:
+  explicit PlainPlaces(const ScoredPlaces& places) : places_(places) {}
+
+  void Add(int id, const BowVector& bow, int tag) { images_[id][tag] = places_.Weigh(bow); }
+  void Remove(int id, int tag) { images_[id].erase(tag); }
+
+  std::vector<ScoredPlace> Query(const WeightedBow& query, int max_id, std::size_t count) const {
+    std::vector<ScoredPlace> found;
+    for (const auto& [id, images] : images_) {
+      float original = 0;
+      float view = -1;
+      for (const auto& [tag, words] : images) {
+        (tag == 0 ? original : view) = std::max(tag == 0 ? 0.0F : view, Cosine(query, words));
+      }
+      const double o = double{original};
+      const double v = view < 0 ? o : double{view};
+      if (id <= max_id && std::max(o, v) > 0) {
+        found.push_back({id, o, v, CombineScores(o, v).score});
+      }
+    }
+    std::stable_sort(
+        found.begin(), found.end(), [](const auto& a, const auto& b) { return a.score > b.score; });
+    found.resize(std::min(found.size(), count));
+    return found;
+  }
+
+ private:
+  static float Cosine(const WeightedBow& query, const WeightedBow& words) {
+    float sum = 0;
+    for (const WeightedWord& w : words) {
+      for (const WeightedWord& q : query) {
+        sum += q.word == w.word ? static_cast<float>(q.weight) * static_cast<float>(w.weight) : 0;
+      }
+    }
+    return std::min(1.0F, sum);
+  }
+
+  const ScoredPlaces& places_;
+  std::map<int, std::map<int, WeightedBow>> images_;
+};
+
+/// What is skipped would not have been found, whatever was added and removed before.
+TEST_P(ScoredPlacesOf, FindsBitForBitWhatScoringAllFinds) {
+  ScoringOptions options;
+  options.weights = GetParam();
+  options.synonym_radius = 118;
+  options.synonym_sigma = 60;
+  ScoredPlaces places(options, ScoredVocabulary());
+  PlainPlaces plain(places);
+  std::mt19937_64 rng(11);
+  const auto add = [&](int id, int tag) {
+    const BowVector bow = SkewedWords(&rng);
+    places.Add(id, bow, tag);
+    plain.Add(id, bow, tag);
+  };
+  const auto remove = [&](int id, int tag) {
+    places.Remove(id, tag);
+    plain.Remove(id, tag);
+  };
+  const auto expect_same = [&] {
+    for (const std::size_t count : {0U, 1U, 7U, 50U, 2000U}) {
+      const WeightedBow query = places.Weigh(SkewedWords(&rng));
+      const auto found = places.Query(query, 1100, count);
+      const auto expected = plain.Query(query, 1100, count);
+      ASSERT_EQ(found.size(), expected.size());
+      for (std::size_t i = 0; i < found.size(); ++i) {
+        EXPECT_EQ(found[i].id, expected[i].id);
+        EXPECT_EQ(found[i].original, expected[i].original);
+        EXPECT_EQ(found[i].virtual_view, expected[i].virtual_view);
+        EXPECT_EQ(found[i].score, expected[i].score);
+      }
+    }
+  };
+  for (int id = 0; id < 1200; ++id) {
+    add(id, 0);
+  }
+  expect_same();
+  for (int id = 0; id < 1200; id += 5) {
+    add(id, 1);
+    add(id, 2);
+  }
+  expect_same();
+  for (int id = 0; id < 1200; id += 4) {
+    remove(id, 0);
+    remove(id, 2);
+    add(id, 3);
+  }
+  expect_same();
+}
+
+TEST(ScoredPlaces, KnowsWordsThatAreFarApart) {
+  const auto vocabulary = Vocabulary::FromTree(test::RandomTree(43, 3, 1));
+  ScoredPlaces places({}, vocabulary);
+  const auto last = static_cast<WordId>(vocabulary->word_count()) - 1;
+  ASSERT_GT(last, 0xffffU + 0xffU);
+  const BowVector far = CountWords({3, 3 + 0xffffU, last});
+  places.Add(1, far, 0);
+  places.Add(2, CountWords({4, last - 1}), 0);
+  const auto found = places.Query(places.Weigh(far), 10, 10);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].id, 1);
+  EXPECT_NEAR(found[0].score, 1.0, 1e-6);
+}
+
+TEST(ScoredPlaces, TakesNoMoreRoomForViewsThatComeAndGo) {
+  ScoredPlaces places({}, ScoredVocabulary());
+  std::mt19937_64 rng(5);
+  const BowVector bow = FewRandomWords(&rng);
+  places.Add(1, bow, 0);
+  const auto come_and_go = [&](int times) {
+    for (int i = 0; i < times; ++i) {
+      places.Add(1, bow, 1);
+      places.Remove(1, 1);
+    }
+    return places.memory_bytes();
+  };
+  const std::size_t bytes = come_and_go(1);
+  EXPECT_EQ(come_and_go(100), bytes);
+}
 
 TEST(ScoredPlaces, ForgetsWhatIsRemoved) {
   ScoredPlaces places({}, ScoredVocabulary());

@@ -1,0 +1,180 @@
+#include "weighted_index.hpp"
+
+#include "deja_view/base/check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "similarity.hpp"
+#include "slot_sums.hpp"
+
+namespace deja_view::internal {
+namespace {
+
+// Of a word in Bounds: enough for bounds within a hundredth, and few bits are quick to sum up.
+constexpr double kLargestWeight = 255;
+
+std::uint32_t Counted(std::uint32_t count) {
+  return std::min(count, kMaxCount);
+}
+
+// Of `terms` numbers none of which is negative, added in single precision, and a few products.
+double RoundingOf(std::size_t terms) {
+  return 1.0 + static_cast<double>(terms + 8) * double{std::numeric_limits<float>::epsilon()};
+}
+
+}  // namespace
+
+PackedWords::PackedWords(const WeightedBow& words) {
+  std::vector<std::uint16_t> steps;
+  std::vector<float> weights;
+  WordId last = 0;
+  for (const WeightedWord& w : words) {
+    if (static_cast<float>(w.weight) > 0) {
+      for (; w.word - last >= kLongStep; last += kLongStep) {
+        steps.push_back(kLongStep);
+      }
+      steps.push_back(static_cast<std::uint16_t>(w.word - last));
+      weights.push_back(static_cast<float>(w.weight));
+      last = w.word;
+    }
+  }
+  steps_.assign(steps.begin(), steps.end());  // without reserves
+  weights_.assign(weights.begin(), weights.end());
+}
+
+WeightedIndex::WeightedIndex(std::shared_ptr<const Vocabulary> vocabulary)
+    : vocabulary_(std::move(vocabulary)), words_(vocabulary_->word_count()) {}
+
+std::uint32_t WeightedIndex::TakeSlot() {
+  if (!free_slots_.empty()) {
+    const std::uint32_t slot = free_slots_.back();
+    free_slots_.pop_back();
+    return slot;
+  }
+  DEJA_VIEW_CHECK_OP(slot_count(), <, kMaxSlots);
+  slots_.emplace_back();
+  scales_.push_back(0);
+  return slot_count() - 1;
+}
+
+std::uint32_t WeightedIndex::Add(const BowVector& bow, const WeightedBow& words) {
+  DEJA_VIEW_CHECK_OP(bow.entries.size(), ==, words.size());
+  const std::uint32_t slot = TakeSlot();
+  double scale = 0;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (!(static_cast<float>(words[i].weight) > 0)) {
+      continue;
+    }
+    const std::uint32_t count = Counted(bow.entries[i].count);
+    Word& word = words_.at(words[i].word);
+    word.all.Add(slot, slot_count());
+    if (count > 1) {
+      word.twice.Add(slot, slot_count());
+    }
+    if (count > 2) {
+      word.more.Add(slot, count);
+    }
+    scale = std::max(scale, words[i].weight / (count * double{vocabulary_->Idf(words[i].word)}));
+  }
+  slots_[slot] = PackedWords(words);
+  scales_[slot] = static_cast<float>(scale);
+  return slot;
+}
+
+void WeightedIndex::Remove(std::uint32_t slot) {
+  slots_.at(slot).ForEach([&](WordId word, float /*weight*/) {
+    words_[word].all.Remove(slot);
+    words_[word].twice.Remove(slot);
+    words_[word].more.Remove(slot);
+  });
+  slots_[slot] = PackedWords();
+  scales_[slot] = 0;
+  free_slots_.push_back(slot);
+}
+
+void WeightedIndex::Clear() {
+  *this = WeightedIndex(vocabulary_);
+}
+
+std::vector<float> WeightedIndex::Bounds(const WeightedBow& query) const {
+  double total = 0;
+  double largest = 0;
+  for (const WeightedWord& w : query) {
+    const double part = w.weight * double{vocabulary_->Idf(w.word)};
+    total += part;
+    largest = std::max(largest, part);
+  }
+  std::vector<float> bounds(slots_.size(), 0.0F);
+  // The sum of a slot that shows all words kMaxCount times stays below 2^31.
+  constexpr double kLargestTotal = double{std::numeric_limits<std::int32_t>::max()} / kMaxCount;
+  const double unit = std::min(kLargestWeight / largest,
+                               (kLargestTotal - static_cast<double>(query.size())) / total);
+  if (!(total > 0) || !(unit > 0)) {
+    return bounds;
+  }
+  SlotSums<std::uint32_t> sums(slot_count());
+  for (std::size_t i = 0; i < query.size(); ++i) {
+    Prefetch(query, i);
+    const double part = query[i].weight * double{vocabulary_->Idf(query[i].word)};
+    const auto weight = static_cast<std::uint32_t>(std::ceil(part * unit));
+    const Word& word = words_.at(query[i].word);
+    sums.Add(word.all, weight);
+    sums.Add(word.twice, weight);
+    for (std::uint32_t k = 0, size = word.more.size(); k < size; ++k) {
+      sums[word.more.slot(k)] += weight * (word.more.count(k) - 2);
+    }
+  }
+  sums.Finish();
+  const auto factor = static_cast<float>(RoundingOf(query.size()) / unit);
+  for (std::uint32_t slot = 0; slot < slot_count(); ++slot) {
+    bounds[slot] =
+        static_cast<float>(static_cast<std::int32_t>(sums[slot])) * factor * scales_[slot];
+  }
+  return bounds;
+}
+
+// What the words to come need is on its way from memory meanwhile.
+void WeightedIndex::Prefetch(const WeightedBow& query, std::size_t i) const {
+  constexpr std::size_t kAhead = 4;
+  if (i + 2 * kAhead < query.size()) {
+    __builtin_prefetch(&words_[query[i + 2 * kAhead].word]);
+  }
+  if (i + kAhead < query.size()) {
+    const Word& word = words_[query[i + kAhead].word];
+    word.all.Prefetch();
+    word.twice.Prefetch();
+    word.more.Prefetch();
+  }
+}
+
+std::vector<float> WeightedIndex::Spread(const WeightedBow& query) const {
+  std::vector<float> weights(words_.size(), 0.0F);
+  for (const WeightedWord& w : query) {
+    weights.at(w.word) = static_cast<float>(w.weight);
+  }
+  return weights;
+}
+
+float WeightedIndex::Dot(std::uint32_t slot, const std::vector<float>& query) const {
+  float dot = 0;
+  slots_[slot].ForEach([&](WordId word, float weight) { dot += query[word] * weight; });
+  return dot;
+}
+
+std::size_t WeightedIndex::memory_bytes() const {
+  std::size_t bytes = words_.capacity() * sizeof(Word) + slots_.capacity() * sizeof(PackedWords) +
+                      scales_.capacity() * sizeof(float) +
+                      free_slots_.capacity() * sizeof(std::uint32_t);
+  for (const Word& word : words_) {
+    bytes += word.all.memory_bytes() + word.twice.memory_bytes() + word.more.memory_bytes();
+  }
+  for (const PackedWords& slot : slots_) {
+    bytes += slot.memory_bytes();
+  }
+  return bytes;
+}
+
+}  // namespace deja_view::internal
