@@ -52,7 +52,10 @@ KeyframeInput AssembledKeyframe::ToInput() const {
 KeyframeAssembler::KeyframeAssembler(const KeyframeAssemblerOptions& options,
                                      KeyframeCallback on_keyframe,
                                      DropCallback on_drop)
-    : options_(options), on_keyframe_(std::move(on_keyframe)), on_drop_(std::move(on_drop)) {
+    : options_(options),
+      on_keyframe_(std::move(on_keyframe)),
+      on_drop_(std::move(on_drop)),
+      restart_detector_(options.sequence_gap_s) {
   if (const auto violations = options_.Validate(); !violations.empty()) {
     ThrowInputError("{}", fmt::join(violations, "; "));
   }

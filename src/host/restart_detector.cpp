@@ -28,9 +28,6 @@ constexpr double kAcceleration = 5.0;
 // A VIO that flew on through more than this would have kept a track; and a new sequence that was
 // none is joined by its next loop, while a restart that is not told bends the map.
 constexpr double kLostTracksAcceleration = 2.0;
-// [s] Nor is a VIO that flies on silent for so long where it sees new points all the time; one that
-// starts anew needs a second for its first window, and may come to anywhere.
-constexpr double kSilence = 1.0;
 
 using PointsById = std::unordered_map<std::int64_t, Eigen::Vector3d>;
 
@@ -114,7 +111,7 @@ bool RestartDetector::IsRestart(const Keyframe& now, const MovedAndRange& common
   if (!keeps_tracks_ || !common.empty()) {
     return false;
   }
-  return Seconds(last_->stamp_ns, now.stamp_ns) >= kSilence ||
+  return Seconds(last_->stamp_ns, now.stamp_ns) >= max_silence_s_ ||
          (now.points_W.size() >= kFewPoints && IsUnexplained(now, kLostTracksAcceleration));
 }
 

@@ -31,7 +31,7 @@ struct KeyframeAssemblerOptions {
   /// stray stamp proves nothing.
   int later_messages = 2;
   /// A longer pause of the image stream means that the VIO may have moved unseen: a new sequence
-  /// [s].
+  /// [s]. So does one of the VIO after which it has no track left.
   double sequence_gap_s = 1.0;
 
   /// All violations, each with its key; empty when all is well.

@@ -91,6 +91,13 @@ TEST_F(RestartDetectorTest, NewTracksAfterASilenceAreOneEvenNearby) {
 }
 
 // A front end that has just begun to follow corners has no points yet.
+TEST_F(RestartDetectorTest, HowLongASilenceMayBeIsAnOption) {
+  detector_ = RestartDetector(20);
+  Add(0, 0, 0);
+  Add(1.4, 0.1, 0);
+  EXPECT_FALSE(Add(2.8, 0.2, 100));
+}
+
 TEST_F(RestartDetectorTest, NoPointsAfterASilenceAreOne) {
   Add(0, 0, 0);
   Add(0.2, 0.1, 0);
