@@ -271,16 +271,17 @@ TEST(LoopConsistency, LoopsOfTheSameTwoPlacesAreOneWitness) {
 
 /// A drone that stands still joins a map that saw what it sees from enough places.
 TEST(LoopConsistency, ADroneThatStandsJoinsByTheMapsPlaces) {
-  // Loops of six keyframes at one point, with `places` of the map, `step` poses apart.
-  const auto joins = [](int places, int step, bool is_map) {
+  // Loops of six keyframes `move_m` apart with `places` of the map, `step` poses apart.
+  const auto joins = [](int places, int step, bool is_map, double move_m = 0) {
     PoseGraph graph = MakeTwoWorlds(is_map);
     const Rigid3 T_W_B = graph.node(kPerRound + 10).T_W_B;
     LoopConsistency consistency{LoopConsistencyOptions{}};
     for (int i = 0; i < 6; ++i) {
-      const int standing = graph.AddNode(1, T_W_B);
+      const Rigid3 moved{Eigen::Quaterniond::Identity(), {0, 0, i * move_m}};
+      const int standing = graph.AddNode(1, T_W_B * moved);
       for (int k = 0; k < places; ++k) {
         PoseGraphLoop loop = TrueLoop(step * k, kPerRound + 10);
-        loop.T_from_to = Truth(step * k).Inverse() * Truth(10);
+        loop.T_from_to = Truth(step * k).Inverse() * Truth(10) * moved;
         loop.to = standing;
         if (!consistency.Add(loop, i, graph).believed.empty()) {
           return true;
@@ -292,7 +293,9 @@ TEST(LoopConsistency, ADroneThatStandsJoinsByTheMapsPlaces) {
   EXPECT_TRUE(joins(4, 3, true));
   EXPECT_FALSE(joins(4, 3, false));  // the flight's own, which drift
   EXPECT_FALSE(joins(3, 3, true));
-  EXPECT_FALSE(joins(4, 1, true));  // within 0.9 m of 5 m of depth
+  EXPECT_TRUE(joins(4, 3, true, 0.15));
+  EXPECT_FALSE(joins(3, 3, true, 0.15));  // 18 witnesses within 0.75 m, but of three places
+  EXPECT_FALSE(joins(4, 1, true));        // within 0.9 m of 5 m of depth
 }
 
 /// What is a long way for a small room is none in a hall.
