@@ -15,13 +15,6 @@ namespace {
 constexpr int kPencilSide = 4;
 constexpr double kPencilFocal_px = 38;
 
-bool IsCertain(const RenderedView& view, int y, int x, const GateOptions& options) {
-  const float depth = view.depth.at<float>(y, x);
-  return depth > 0 && view.opacity.at<float>(y, x) >= static_cast<float>(options.min_opacity) &&
-         std::sqrt(view.depth_variance.at<float>(y, x)) <=
-             static_cast<float>(options.max_depth_sigma) * depth;
-}
-
 double DistanceToSegment(const Eigen::Vector3d& p,
                          const Eigen::Vector3d& a,
                          const Eigen::Vector3d& b) {
@@ -44,11 +37,18 @@ std::vector<std::string> GateOptions::Validate() const {
   return r.errors();
 }
 
+bool IsCertain(const RenderedView& view, int x, int y, const GateOptions& options) {
+  const float depth = view.depth.at<float>(y, x);
+  return depth > 0 && view.opacity.at<float>(y, x) >= static_cast<float>(options.min_opacity) &&
+         std::sqrt(view.depth_variance.at<float>(y, x)) <=
+             static_cast<float>(options.max_depth_sigma) * depth;
+}
+
 double CertainShare(const RenderedView& view, const GateOptions& options) {
   std::size_t certain = 0;
   for (int y = 0; y < view.depth.rows; ++y) {
     for (int x = 0; x < view.depth.cols; ++x) {
-      certain += IsCertain(view, y, x, options) ? 1U : 0U;
+      certain += IsCertain(view, x, y, options) ? 1U : 0U;
     }
   }
   return static_cast<double>(certain) / static_cast<double>(view.depth.total());
@@ -81,17 +81,20 @@ ViewGate::ViewGate(const GateOptions& options,
 
 GateVerdict ViewGate::Judge(const ViewRenderer& renderer,
                             const Rigid3& T_N_C,
-                            const Rigid3& T_C_V) const {
+                            const Rigid3& T_C_V,
+                            RenderedView* small) const {
   if (options_.free_space && !IsNearPath(T_N_C * T_C_V.t) && !IsInSight(renderer, T_N_C, T_C_V.t)) {
     return GateVerdict::kNotFree;
   }
-  if (options_.min_certain_share > 0) {
-    const RenderedView view = renderer.Render(*small_camera_, T_N_C * T_C_V, {1, 0, 1});
-    if (CertainShare(view, options_) < options_.min_certain_share) {
-      return GateVerdict::kUncertain;
-    }
+  if (options_.min_certain_share <= 0 && small == nullptr) {
+    return GateVerdict::kAccepted;
   }
-  return GateVerdict::kAccepted;
+  RenderedView view = renderer.Render(*small_camera_, T_N_C * T_C_V, {1, 0, 1});
+  const bool is_certain = CertainShare(view, options_) >= options_.min_certain_share;
+  if (small != nullptr) {
+    *small = std::move(view);
+  }
+  return is_certain ? GateVerdict::kAccepted : GateVerdict::kUncertain;
 }
 
 bool ViewGate::IsNearPath(const Eigen::Vector3d& p_N) const {

@@ -16,6 +16,7 @@ std::vector<std::string> ViewOptions::Validate() const {
   r.Group("poses", poses.Validate());
   r.Group("sources", sources.Validate());
   r.Group("sampling", sampling.Validate());
+  r.Group("choice", choice.Validate());
   r.Group("gate", gate.Validate());
   r.Group("rendering", rendering.Validate());
   r.Group("features", features.Validate());
@@ -62,13 +63,15 @@ MadeViews ViewMaker::Make(const ViewSource& source,
     render_options.gain = static_cast<float>(made.fit.gain);
     render_options.bias = static_cast<float>(made.fit.bias);
   }
-  const auto accept = [&](const Rigid3& T_C_V) {
-    const GateVerdict verdict = gate_.Judge(renderer, source.T_N_C, T_C_V);
-    made.not_free += verdict == GateVerdict::kNotFree ? 1 : 0;
-    made.uncertain += verdict == GateVerdict::kUncertain ? 1 : 0;
-    return verdict == GateVerdict::kAccepted;
-  };
-  for (const Rigid3& T_C_V : SampleViews(options_.sampling, source.stamp_ns, accept)) {
+  if (options_.own_image) {
+    RenderedView own = renderer.Render(*camera_, source.T_N_C, render_options);
+    own.image = source.image;
+    made.views.push_back(MakeView(own, source.T_N_C, Rigid3::Identity()));
+  }
+  const ChosenViews chosen = FindPoses(source, renderer);
+  made.not_free = chosen.not_free;
+  made.uncertain = chosen.uncertain;
+  for (const Rigid3& T_C_V : chosen.T_C_V) {
     made.views.push_back(
         MakeView(upscaler_.Render(renderer, *camera_, source.T_N_C * T_C_V, render_options),
                  source.T_N_C,
@@ -80,6 +83,21 @@ MadeViews ViewMaker::Make(const ViewSource& source,
     made.views[i].count = static_cast<std::int32_t>(made.views.size());
   }
   return made;
+}
+
+ChosenViews ViewMaker::FindPoses(const ViewSource& source, const ViewRenderer& renderer) const {
+  if (source.chosen) {
+    return *source.chosen;
+  }
+  ChosenViews chosen;
+  const auto accept = [&](const Rigid3& T_C_V) {
+    const GateVerdict verdict = gate_.Judge(renderer, source.T_N_C, T_C_V);
+    chosen.not_free += verdict == GateVerdict::kNotFree ? 1 : 0;
+    chosen.uncertain += verdict == GateVerdict::kUncertain ? 1 : 0;
+    return verdict == GateVerdict::kAccepted;
+  };
+  chosen.T_C_V = SampleViews(options_.sampling, source.stamp_ns, accept);
+  return chosen;
 }
 
 VirtualView ViewMaker::MakeView(const RenderedView& rendered,

@@ -37,6 +37,9 @@ struct GateOptions {
 /// Why a virtual pose was passed over.
 enum class GateVerdict { kAccepted, kNotFree, kUncertain };
 
+/// Whether the pixel's opacity and depth are certain.
+bool IsCertain(const RenderedView& view, int x, int y, const GateOptions& options);
+
 /// Share of a render's pixels whose opacity and depth are certain.
 double CertainShare(const RenderedView& view, const GateOptions& options);
 
@@ -52,7 +55,13 @@ class ViewGate {
            std::shared_ptr<const Camera> camera,
            std::vector<Eigen::Vector3d> flown_N);
 
-  GateVerdict Judge(const ViewRenderer& renderer, const Rigid3& T_N_C, const Rigid3& T_C_V) const;
+  /// `small`, where wanted, gets the small render, unless the pose is not free.
+  GateVerdict Judge(const ViewRenderer& renderer,
+                    const Rigid3& T_N_C,
+                    const Rigid3& T_C_V,
+                    RenderedView* small = nullptr) const;
+
+  const Camera& small_camera() const { return *small_camera_; }
 
  private:
   bool IsNearPath(const Eigen::Vector3d& p_N) const;

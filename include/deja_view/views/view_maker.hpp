@@ -4,6 +4,7 @@
 #include "deja_view/features/feature_options.hpp"
 #include "deja_view/views/exposure_fit.hpp"
 #include "deja_view/views/pose_frame.hpp"
+#include "deja_view/views/view_choice.hpp"
 #include "deja_view/views/view_gate.hpp"
 #include "deja_view/views/view_sampling.hpp"
 #include "deja_view/views/view_upscaling.hpp"
@@ -11,6 +12,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,8 +32,10 @@ struct ViewOptions {
   PoseFitOptions poses;
   SourceOptions sources;
   SamplingOptions sampling;
+  ChoiceOptions choice;
   GateOptions gate;
   UpscalingOptions rendering;
+  bool own_image = false;  ///< as the first view the image itself, with the model's depth
   ViewExposure exposure = ViewExposure::kSource;
   double fit_scale = 0.25;       ///< size of the small render that is compared with the real image
   double min_correlation = 0.5;  ///< between the two; below it the model does not show that place
@@ -47,8 +51,10 @@ struct ViewOptions {
     v("poses", poses);
     v("sources", sources);
     v("sampling", sampling);
+    v("choice", choice);
     v("gate", gate);
     v("rendering", rendering);
+    v("own_image", own_image);
     v("exposure", exposure);
     v("fit_scale", fit_scale);
     v("min_correlation", min_correlation);
@@ -70,6 +76,7 @@ struct ViewSource {
   std::int64_t stamp_ns = 0;
   cv::Mat image;  ///< CV_8UC1, the camera's size
   Rigid3 T_N_C;   ///< z of N points up, as in a VIO's world, where views are to have features
+  std::optional<ChosenViews> chosen = std::nullopt;  ///< by a ViewChooser; none: by sampling
 };
 
 /// Views of one image, and how they came about.
@@ -97,6 +104,8 @@ class ViewMaker {
   MadeViews Make(const ViewSource& source, const ViewRenderer& renderer, int threads) const;
 
  private:
+  /// Where the source's views are.
+  ChosenViews FindPoses(const ViewSource& source, const ViewRenderer& renderer) const;
   VirtualView MakeView(const RenderedView& rendered,
                        const Rigid3& T_N_C,
                        const Rigid3& T_C_V) const;

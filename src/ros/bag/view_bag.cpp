@@ -11,6 +11,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
+#include <map>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -27,17 +29,21 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-// Of the sub-map's own images, every shard.count-th.
-std::vector<SourceImage> ShareOf(const std::vector<SourceImage>& images,
-                                 const ViewSubMap& sub_map,
-                                 const Shard& shard) {
+std::vector<SourceImage> OwnImages(const std::vector<SourceImage>& images,
+                                   const ViewSubMap& sub_map) {
+  std::vector<SourceImage> own;
+  std::copy_if(images.begin(), images.end(), std::back_inserter(own), [&](const SourceImage& i) {
+    return sub_map.shard.count == 1 || sub_map.is_own(i.T_N_C.t);
+  });
+  return own;
+}
+
+// Every shard.count-th.
+std::vector<SourceImage> ShareOf(const std::vector<SourceImage>& images, const Shard& shard) {
   std::vector<SourceImage> share;
-  int number = 0;
-  for (const SourceImage& image : images) {
-    const bool is_own = sub_map.shard.count == 1 || sub_map.is_own(image.T_N_C.t);
-    if (is_own && number++ % shard.count == shard.index) {
-      share.push_back(image);
-    }
+  for (std::size_t i = static_cast<std::size_t>(shard.index); i < images.size();
+       i += static_cast<std::size_t>(shard.count)) {
+    share.push_back(images[i]);
   }
   return share;
 }
@@ -97,12 +103,42 @@ void MakeOne(const ViewJob& job,
   store.Write(result);
 }
 
+// What a ViewChooser chose, by the images' stamps.
+using Choice = std::map<std::int64_t, ChosenViews>;
+
+// For `images`, those of this sub-map; nothing where each image's views are its own affair.
+Choice ChooseViews(const ViewJob& job,
+                   const ViewRendererFactory& make_renderer,
+                   const std::vector<SourceImage>& images,
+                   const std::vector<Eigen::Vector3d>& flown_N,
+                   const std::function<void()>& on_image) {
+  Choice choice;
+  if (job.options.choice.by == ChoiceKind::kSampling || images.empty()) {
+    return choice;
+  }
+  std::vector<PlacedImage> placed;
+  for (const SourceImage& image : images) {
+    placed.push_back({image.stamp_ns, image.T_N_C});
+  }
+  const ViewChooser chooser(
+      job.options.choice, job.options.sampling, job.options.gate, job.camera, flown_N);
+  ViewSource anywhere;
+  anywhere.T_N_C = images.front().T_N_C;
+  const std::vector<ChosenViews> chosen =
+      chooser.Choose(placed, *make_renderer(anywhere, {}), job.threads, on_image);
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    choice[images[i].stamp_ns] = chosen[i];
+  }
+  return choice;
+}
+
 // Makes and stores the views of `missing`. Each thread takes whole images: what a view needs beside
 // its render (gates, fits, networks, compression) runs on one thread and would leave others idle.
 void MakeMissing(const ViewJob& job,
                  const ViewMaker& maker,
                  const ViewRendererFactory& make_renderer,
                  const std::vector<SourceImage>& missing,
+                 const Choice& choice,
                  const ViewStore& store,
                  const std::function<void()>& on_made) {
   constexpr std::size_t kImagesPerThread = 8;  // held in memory at once
@@ -127,6 +163,9 @@ void MakeMissing(const ViewJob& job,
   ReadSourceImages(
       *job.flight, job.topics, *job.camera, job.T_B_C, missing, [&](const LoadedSource& loaded) {
         batch.push_back(loaded);
+        if (const auto chosen = choice.find(loaded.source.stamp_ns); chosen != choice.end()) {
+          batch.back().source.chosen = chosen->second;
+        }
         if (batch.size() >= kImagesPerThread * threads) {
           make_batch();
         }
@@ -216,7 +255,8 @@ ViewReport RenderViews(
   const std::vector<SourceImage> selected =
       job.source_stamps_ns.empty() ? SelectSourceImages(all.images, job.options.sources)
                                    : SourceImagesAt(all.images, job.source_stamps_ns);
-  const std::vector<SourceImage> share = ShareOf(selected, job.sub_map, job.shard);
+  const std::vector<SourceImage> own = OwnImages(selected, job.sub_map);
+  const std::vector<SourceImage> share = ShareOf(own, job.shard);
   const std::uint64_t job_hash = HashJob(job, selected);
 
   ViewReport report;
@@ -238,11 +278,17 @@ ViewReport RenderViews(
   for (const SourceImage& image : all.images) {
     flown_N.push_back(image.T_N_C.t);
   }
+  std::size_t done = share.size() - missing.size();
+  Choice choice;
+  if (!missing.empty()) {
+    choice =
+        ChooseViews(job, make_renderer, own, flown_N, [&] { on_progress(done, share.size()); });
+  }
   const ViewMaker maker(
       job.options, job.content, job.camera, std::move(flown_N), Hash64(OwnSettings(job)));
-  std::size_t done = share.size() - missing.size();
-  MakeMissing(
-      job, maker, make_renderer, missing, store, [&] { on_progress(++done, share.size()); });
+  MakeMissing(job, maker, make_renderer, missing, choice, store, [&] {
+    on_progress(++done, share.size());
+  });
 
   const bool is_whole = job.shard.count == 1 && job.sub_map.shard.count == 1;
   const fs::path part = is_whole ? work / "views.bag" : job.out;

@@ -83,6 +83,12 @@ NerfRenderNode::NerfRenderNode()
     ReadOptions(preset, &options_);
     options_.rendering.network =
         FindNetwork(options_.rendering.network, {std::filesystem::path(preset).parent_path()});
+    if (options_.choice.by != ChoiceKind::kSampling) {
+      ThrowInputError(
+          "{}: choice.by: expected sampling: what all places need together is chosen by "
+          "`deja_view views render`",
+          preset);
+    }
   }
   queue_ = std::make_unique<ViewQueue>(
       ReadQueueOptions(private_handle_), options_.sources, ReadExtrinsic(private_handle_, vins_));

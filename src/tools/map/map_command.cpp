@@ -32,7 +32,7 @@ void AddMapCommand(CLI::App& app, Command* command) {
       ->capture_default_str();
   sub->add_option("--steps", request->steps, "Of the training, whatever the budget: repeatable")
       ->check(CLI::NonNegativeNumber);
-  sub->add_option("--preset", request->preset, "Of the views: paper, wide or a YAML file")
+  sub->add_option("--preset", request->preset, "Of the views: paper, wide, needed or a YAML file")
       ->capture_default_str();
   sub->add_option("--view-set", request->view_overrides, "Override of the preset: group.key=value")
       ->take_all();

@@ -86,8 +86,9 @@ void AddInputOptions(CLI::App* sub, ViewsInput* input) {
                   "Radiance field, as `deja_view nerf train` writes it; a sub-map's: only its own "
                   "images get views, to be merged with the other sub-maps'")
       ->check(CLI::ExistingFile);
-  sub->add_option(
-         "--preset", input->preset, "paper, wide, or a YAML file like config/views_paper.yaml")
+  sub->add_option("--preset",
+                  input->preset,
+                  "paper, wide, needed, or a YAML file like config/views_paper.yaml")
       ->capture_default_str();
   sub->add_option("--set", input->overrides, "Override of the preset: group.key=value")->take_all();
   sub->add_option("--sources", input->sources, "Images that may get views; auto: keyframes if any")

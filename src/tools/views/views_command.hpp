@@ -28,7 +28,7 @@ struct ViewsInput {
                                   ///< off, or ReadFlightPoses of the body
   std::filesystem::path model;    ///< a radiance field
   DepthMapFiles depth_maps;       ///< by which images are warped
-  std::string preset = "paper";   ///< paper, wide or a ViewOptions file
+  std::string preset = "paper";   ///< paper, wide, needed or a ViewOptions file
   std::vector<std::string> overrides;  ///< "group.key=value" on top
   std::string sources = "auto";        ///< SourceKind
   std::filesystem::path places;  ///< TUM: only images at its stamps; empty: as the preset says

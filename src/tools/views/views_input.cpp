@@ -20,11 +20,11 @@ namespace {
 namespace fs = std::filesystem;
 
 fs::path FindPreset(const std::string& preset) {
-  if (preset == "paper" || preset == "wide") {
+  if (preset == "paper" || preset == "wide" || preset == "needed") {
     return FindSharedFile("views_" + preset + ".yaml");
   }
   if (!fs::exists(preset)) {
-    ThrowInputError("--preset {}: expected paper, wide, or a YAML file", Quote(preset));
+    ThrowInputError("--preset {}: expected paper, wide, needed, or a YAML file", Quote(preset));
   }
   return preset;
 }

@@ -59,6 +59,15 @@ void CheckPoints(const ViewsRenderRequest& request, const ViewJob& job, const Sc
   }
 }
 
+// An image that is warped knows nothing of what is about it.
+void CheckChoice(const ViewsRenderRequest& request, const ViewJob& job) {
+  if (job.options.choice.by == ChoiceKind::kNeed && request.renderer != "nerf") {
+    ThrowInputError("--preset {}: choice.by: need goes with --renderer nerf, found {}",
+                    request.input.preset,
+                    request.renderer);
+  }
+}
+
 // Depth is warped on the CPU.
 nerf::DeviceChoice DeviceOf(const ViewsRenderRequest& request) {
   return request.renderer == "nerf" ? ChooseToolDevice(request.device) : nerf::DeviceChoice();
@@ -118,6 +127,7 @@ Json RunViewsRender(const ViewsRenderRequest& request) {
   const auto scene =
       OpenSceneModel({request.renderer, request.input.model, job.camera, maps, DeviceOf(request)});
   CheckPoints(request, job, *scene);
+  CheckChoice(request, job);
   scene->Relax(&job.options.gate);
   const ViewModel model = PlaceModel(scene, posed);
   if (request.input.show_progress) {

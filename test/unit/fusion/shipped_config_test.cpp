@@ -28,6 +28,9 @@ TEST(ShippedConfigTest, ViewPresetsLoad) {
   const auto wide = ReadOptions<ViewOptions>(kConfig / "views_wide.yaml");
   EXPECT_EQ(wide.sampling.rotation_deg, 30);
   EXPECT_EQ(wide.sources.against, SourceSpacing::kAll);
+  const auto needed = ReadOptions<ViewOptions>(kConfig / "views_needed.yaml");
+  EXPECT_EQ(needed.choice.by, ChoiceKind::kNeed);
+  EXPECT_EQ(needed.sampling.radius_m, 3);
 }
 
 /// Counts how often a field is visited, whatever it is.
@@ -86,7 +89,8 @@ TEST(ShippedConfigTest, EveryFileIsTested) {
     const bool is_known = entry.is_directory() || extension == ".md" || extension == ".rviz" ||
                           name == "loop_fusion.yaml" || name == "euroc.yaml" ||
                           name == "views_paper.yaml" || name == "views_wide.yaml" ||
-                          name == "brief_pattern.yml" || name == "brief.dvv" || name == "orb.dvv" ||
+                          name == "views_needed.yaml" || name == "brief_pattern.yml" ||
+                          name == "brief.dvv" || name == "orb.dvv" ||
                           name == "fsrcnn_x2.onnx";  // super_resolution_test.cpp
     EXPECT_TRUE(is_known) << entry.path() << " needs a test here";
   }

@@ -1,6 +1,7 @@
 #include "deja_view/views/view_maker.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/camera/depth_image.hpp"
 
 #include "room_renderer.hpp"
 #include "test_cameras.hpp"
@@ -37,6 +38,27 @@ ViewOptions Wide() {
 
 ViewMaker MakeMaker(const ViewOptions& options, const ViewContent& content) {
   return {options, content, BentCamera(), {}, 99};
+}
+
+TEST(ViewMakerTest, MakesTheChosenPosesAndTheImageItself) {
+  ViewSource source = MakeSource();
+  source.image.setTo(7, source.image > 200);  // what no render shows
+  const Rigid3 chosen = {ExpSo3({0, 0.1, 0}), {0.4, 0, 0.1}};
+  source.chosen = ChosenViews{{chosen}, 3, 2};
+  ViewOptions options = Wide();
+  options.own_image = true;
+  const MadeViews made = MakeMaker(options, {true, false, true}).Make(source, RoomRenderer(), 1);
+  ASSERT_THAT(made.views, SizeIs(2));
+  EXPECT_EQ(made.views[0].T_C_V.t, Eigen::Vector3d::Zero());
+  EXPECT_EQ(cv::norm(made.views[0].image, source.image, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(made.views[0].depth_mm,
+                     ToMillimetres(RoomRenderer().Render(*BentCamera(), source.T_N_C, {}).depth),
+                     cv::NORM_INF),
+            0);
+  EXPECT_EQ(made.views[1].T_C_V.t, chosen.t);
+  EXPECT_EQ(made.views[1].count, 2);
+  EXPECT_EQ(made.not_free, 3);
+  EXPECT_EQ(made.uncertain, 2);
 }
 
 TEST(ViewMakerTest, MakesWhatACameraThereWouldSee) {
