@@ -29,7 +29,7 @@ PairExplanation::Attempt LoopCloserImpl::Attempt(int old,
   attempt.verification = VerifyPair(old, old_features, with_views, current);
   if (attempt.verification.inliers > 0) {
     attempt.readings = verifier_.Readings(attempt.verification, with_views);
-    attempt.pairs = PairsOf(old, attempt.verification);
+    attempt.pairs = PairsOf(attempt.verification);
   }
   return attempt;
 }

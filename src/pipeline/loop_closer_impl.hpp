@@ -92,6 +92,7 @@ class LoopCloserImpl {
   /// A loop was accepted so lately that the corrected pose is the better guess.
   bool IsLocalised() const;
   bool IsWithinReach(int old, const NewKeyframe& current) const;
+  std::vector<RigCamera> RigOf(int old, const KeyframeFeatures& old_features) const;
   Verification VerifyPair(int old,
                           const KeyframeFeatures& old_features,
                           bool with_views,
@@ -109,7 +110,7 @@ class LoopCloserImpl {
                                     const Verification& verification,
                                     const NewKeyframe& current) const;
   std::vector<LoopReport> LoopsAndJoints() const;
-  std::vector<LoopMatches::Pair> PairsOf(int old, const Verification& verification) const;
+  static std::vector<LoopMatches::Pair> PairsOf(const Verification& verification);
 
   /// A pair of keyframes to be explained.
   struct Question {

@@ -62,19 +62,30 @@ std::vector<Candidate> LoopCloserImpl::FindCandidates(const NewKeyframe& current
   return std::move(found.candidates);
 }
 
+// By where the newest keyframe should be, if that is known.
+std::vector<RigCamera> LoopCloserImpl::RigOf(int old, const KeyframeFeatures& old_features) const {
+  const int newest = keyframes_.newest();
+  std::optional<NearCamera> near;
+  if (keyframes_.AreJoined(old, newest)) {
+    near = NearCamera{keyframes_.T_M_C(old).Inverse() * keyframes_.T_M_C(newest),
+                      SceneDepth(old_features)};
+  }
+  return shelf_.RigOf(old, old_features.T_B_C, near);
+}
+
 Verification LoopCloserImpl::VerifyPair(int old,
                                         const KeyframeFeatures& old_features,
                                         bool with_views,
                                         const NewKeyframe& current) const {
   const int newest = keyframes_.newest();
-  return verifier_.VerifyRig(
-      current.features,
-      keyframes_.node(newest).T_W_B.q,
-      old_features,
-      keyframes_.node(old).T_W_B.q,
-      with_views ? shelf_.RigOf(old, old_features.T_B_C) : std::vector<RigCamera>(),
-      keyframes_.AreJoined(old, newest) ? std::optional<Rigid3>(keyframes_.T_a_b(old, newest))
-                                        : std::nullopt);
+  return verifier_.VerifyRig(current.features,
+                             keyframes_.node(newest).T_W_B.q,
+                             old_features,
+                             keyframes_.node(old).T_W_B.q,
+                             with_views ? RigOf(old, old_features) : std::vector<RigCamera>(),
+                             keyframes_.AreJoined(old, newest)
+                                 ? std::optional<Rigid3>(keyframes_.T_a_b(old, newest))
+                                 : std::nullopt);
 }
 
 LoopReport LoopCloserImpl::Verify(const Candidate& candidate,
@@ -118,14 +129,10 @@ Relocalisation LoopCloserImpl::MakeRelocalisation(const LoopReport& loop,
   return result;
 }
 
-std::vector<LoopMatches::Pair> LoopCloserImpl::PairsOf(int old,
-                                                       const Verification& verification) const {
+std::vector<LoopMatches::Pair> LoopCloserImpl::PairsOf(const Verification& verification) {
   std::vector<LoopMatches::Pair> pairs;
-  const std::vector<StoredView>& views = shelf_.Of(old);
   for (const PixelMatch& match : verification.pixel_matches) {
-    const int view =
-        match.camera == 0 ? -1 : views[static_cast<std::size_t>(match.camera - 1)].index;
-    pairs.push_back({view, match.old_pixel, match.current_pixel});
+    pairs.push_back({match.camera, match.old_pixel, match.current_pixel});
   }
   return pairs;
 }
@@ -151,10 +158,8 @@ bool LoopCloserImpl::TakeVerified(const LoopReport& loop,
   }
   report->graph_changed = report->graph_changed || entry.joins;
   if (is_believed) {
-    report->matches.push_back({loop.stamp_current_ns,
-                               loop.stamp_old_ns,
-                               loop.is_virtual,
-                               PairsOf(loop.old, verification)});
+    report->matches.push_back(
+        {loop.stamp_current_ns, loop.stamp_old_ns, loop.is_virtual, PairsOf(verification)});
   }
   // The VIO takes pixels of the old real image: what virtual views alone show is of no use to it.
   if (is_believed && !loop.is_virtual && !report->relocalisation) {

@@ -159,6 +159,7 @@ RigCamera ToRigCamera(const StoredView& view,
                       const VirtualViewOptions& options) {
   RigCamera rig;
   rig.camera = view.camera;
+  rig.number = view.index;
   KeyframeFeatures& f = rig.features;
   f.T_B_C = T_B_C * view.T_C_V;
   f.descriptors = view.descriptors;

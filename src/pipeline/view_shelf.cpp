@@ -4,6 +4,8 @@
 #include "deja_view/features/make_feature_extractor.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace deja_view {
@@ -24,6 +26,16 @@ std::size_t BytesOf(const VirtualView& view) {
   const auto bytes = [](const cv::Mat& image) { return image.total() * image.elemSize(); };
   return sizeof(VirtualView) + bytes(view.image) + bytes(view.depth_mm) + bytes(view.certainty) +
          kPerFeature * view.features.features.keypoints.size();
+}
+
+/// How unlike what the two cameras see is: the angle between their axes, and that by which their
+/// distance shifts the scene [rad].
+double Difference(const Rigid3& T_C_V, const NearCamera& near) {
+  constexpr double kDepth_m = 3;  // where nobody knows
+  const Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
+  const double cosine = (T_C_V.q * axis).dot(near.T_C_near.q * axis);
+  const double depth = near.depth > 0 ? near.depth : kDepth_m;
+  return std::acos(std::clamp(cosine, -1.0, 1.0)) + (T_C_V.t - near.T_C_near.t).norm() / depth;
 }
 
 }  // namespace
@@ -221,10 +233,27 @@ const std::vector<StoredView>& ViewShelf::Of(int keyframe) const {
   return it == kept_.end() ? kNone : it->second;
 }
 
-std::vector<RigCamera> ViewShelf::RigOf(int keyframe, const Rigid3& T_B_C) const {
+std::vector<RigCamera> ViewShelf::RigOf(int keyframe,
+                                        const Rigid3& T_B_C,
+                                        const std::optional<NearCamera>& near) const {
+  const std::vector<StoredView>& views = Of(keyframe);
+  std::vector<std::size_t> wanted(views.size());
+  std::iota(wanted.begin(), wanted.end(), 0);
+  const auto most = static_cast<std::size_t>(options_.in_rig);
+  if (near && wanted.size() > most) {
+    std::vector<double> differences;
+    for (const StoredView& view : views) {
+      differences.push_back(Difference(view.T_C_V, *near));
+    }
+    std::stable_sort(wanted.begin(), wanted.end(), [&](std::size_t a, std::size_t b) {
+      return differences[a] < differences[b];
+    });
+    wanted.resize(most);
+    std::sort(wanted.begin(), wanted.end());
+  }
   std::vector<RigCamera> rig;
-  for (const StoredView& view : Of(keyframe)) {
-    rig.push_back(ToRigCamera(view, T_B_C, options_));
+  for (const std::size_t i : wanted) {
+    rig.push_back(ToRigCamera(views[i], T_B_C, options_));
   }
   return rig;
 }

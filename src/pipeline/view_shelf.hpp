@@ -21,6 +21,12 @@
 
 namespace deja_view {
 
+/// A camera near a keyframe's own.
+struct NearCamera {
+  Rigid3 T_C_near;   ///< [m]
+  double depth = 0;  ///< of the scene [m]; 0: unknown
+};
+
 /// The virtual views of places, from their arrival to the index: those that wait for their
 /// keyframe, and the best of each keyframe that came.
 class ViewShelf {
@@ -48,8 +54,12 @@ class ViewShelf {
 
   const std::vector<StoredView>& Of(int keyframe) const;
   const Views& kept() const { return kept_; }
-  /// The keyframe's views as cameras of a rig around its own, in their order.
-  std::vector<RigCamera> RigOf(int keyframe, const Rigid3& T_B_C) const;
+  /// The keyframe's views as cameras of a rig around its own, in their order: of more than
+  /// `in_rig` those nearest to `near`, if that is known. What is far off sees little of the same,
+  /// and its chance matches hide the others'.
+  std::vector<RigCamera> RigOf(int keyframe,
+                               const Rigid3& T_B_C,
+                               const std::optional<NearCamera>& near) const;
 
   const ViewCounts& counts() const { return counts_; }
   /// Heap memory [bytes] of the views kept, without their part of the index.

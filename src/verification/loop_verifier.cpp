@@ -224,8 +224,8 @@ Verification LoopVerifier::VerifyRig(const KeyframeFeatures& current,
   const Camera* camera = camera_.get();
   pair.links = {{&current, camera, &old, camera, false}, {&old, camera, &current, camera, true}};
   for (const RigCamera& view : virtual_cameras) {
-    pair.links.push_back({&current, camera, &view.features, view.camera.get(), false});
-    pair.links.push_back({&view.features, view.camera.get(), &current, camera, true});
+    pair.links.push_back({&current, camera, &view.features, view.camera.get(), false, view.number});
+    pair.links.push_back({&view.features, view.camera.get(), &current, camera, true, view.number});
   }
   return Solve(pair, T_Bold_Bcurrent_predicted);
 }
@@ -243,7 +243,8 @@ std::vector<PixelMatch> LoopVerifier::FirstMatches(const KeyframeFeatures& curre
       const Eigen::Vector2f& point =
           link.points->point_pixels[static_cast<std::size_t>(match.point)];
       const Eigen::Vector2f& seen = link.image->keypoints[static_cast<std::size_t>(match.keypoint)];
-      pixels.push_back({0, is_reverse ? point : seen, is_reverse ? seen : point});
+      pixels.push_back(
+          {PixelMatch::kRealCamera, is_reverse ? point : seen, is_reverse ? seen : point});
     }
   }
   return pixels;

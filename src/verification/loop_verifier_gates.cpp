@@ -112,9 +112,8 @@ void LoopVerifier::Summarise(const Pair& pair,
     const Link& link = pair.links[match.link];
     const Eigen::Vector2f& point = link.points->point_pixels[static_cast<std::size_t>(match.point)];
     const Eigen::Vector2f& seen = link.image->keypoints[static_cast<std::size_t>(match.keypoint)];
-    v->pixel_matches.push_back({static_cast<int>(match.link / 2),
-                                link.is_reverse ? point : seen,
-                                link.is_reverse ? seen : point});
+    v->pixel_matches.push_back(
+        {link.camera, link.is_reverse ? point : seen, link.is_reverse ? seen : point});
     if (match.link == 0) {
       v->point_matches.push_back({match.point, match.keypoint});
     }

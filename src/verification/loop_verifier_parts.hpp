@@ -17,7 +17,8 @@ struct LoopLink {
   const Camera* points_camera;
   const KeyframeFeatures* image;
   const Camera* image_camera;
-  bool is_reverse;  ///< points of the old keyframe in the current image
+  bool is_reverse;                       ///< points of the old keyframe in the current image
+  int camera = PixelMatch::kRealCamera;  ///< of the old keyframe
 };
 
 /// Point `point` of a link's points seen as keypoint `keypoint` of its image.

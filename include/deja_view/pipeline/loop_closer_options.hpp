@@ -96,6 +96,7 @@ struct VirtualViewOptions {
   /// (1 is the paper's choice, Sec. 3.2.3). 0: none, not even a loaded map's.
   int keep = 8;
   int max_features = 350;   ///< strongest, spread over the image
+  int in_rig = 1;           ///< of a keyframe's views, those nearest to where the drone should be
   int max_tried = 6;        ///< candidates per keyframe that are verified with their views
   int max_waiting = 400;    ///< views whose keyframe has not come yet; the oldest is given up first
   int max_waiting_mb = 64;  ///< the same of their images and features [MiB]
@@ -112,6 +113,7 @@ struct VirtualViewOptions {
   void Visit(Visitor& v) {
     v("keep", keep);
     v("max_features", max_features);
+    v("in_rig", in_rig);
     v("max_tried", max_tried);
     v("max_waiting", max_waiting);
     v("max_waiting_mb", max_waiting_mb);

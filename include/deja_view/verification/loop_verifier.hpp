@@ -41,6 +41,7 @@ double OverlapShare(const KeyframeFeatures& from,
 struct RigCamera {
   KeyframeFeatures features;
   std::shared_ptr<const Camera> camera;
+  int number = 0;  ///< among all virtual cameras of its keyframe, whichever are in the rig
 };
 
 /// Gates for loops that the real image alone does not give. What several cameras of the rig show
@@ -121,7 +122,8 @@ struct PointMatch {
 
 /// An inlier as pixels, to show it.
 struct PixelMatch {
-  int camera = 0;  ///< of the old keyframe: 0 is the real one, then the rig's virtual ones
+  static constexpr int kRealCamera = -1;
+  int camera = kRealCamera;  ///< of the old keyframe: the number of a virtual one, or the real one
   Eigen::Vector2f old_pixel = Eigen::Vector2f::Zero();
   Eigen::Vector2f current_pixel = Eigen::Vector2f::Zero();
 };

@@ -29,8 +29,8 @@ struct ChoiceOptions {
   bool reversed = false;       ///< also each of them looking back
   double views_per_image = 4;  ///< on average at most
   double min_gain = 0.5;       ///< poses that a view must make recognised, in all
-  double enough = 0.5;      ///< share of a pose's surface, by SameLook, that is recognised for sure
-  double view_worth = 0.6;  ///< of a rendered view, where a photograph's is 1
+  double enough = 0.5;    ///< share of a pose's surface, by SameLook, that is recognised for sure
+  double view_worth = 1;  ///< of a rendered view, where a photograph's is 1
   SameLookOptions look;
 
   /// Violations, one line each.
