@@ -2,6 +2,7 @@
 
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/requirements.hpp"
+#include "deja_view/host/restart_detector.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -215,8 +216,13 @@ void OdometryFrontEnd::Follow(const WaitingImage& waiting, const Rigid3& T_W_B) 
   if (!image) {
     return;
   }
-  if (!frames_.empty() &&
-      waiting.stamp_ns - frames_.back().stamp_ns > ToNanoseconds(options_.sequence_gap_s)) {
+  const std::size_t n = frames_.size();
+  const bool is_paused =
+      n >= 1 && waiting.stamp_ns - frames_.back().stamp_ns > ToNanoseconds(options_.sequence_gap_s);
+  // Tracks that went on would mix two worlds.
+  const bool is_jump =
+      n >= 2 && IsJump(frames_[n - 2].pose(), frames_[n - 1].pose(), {waiting.stamp_ns, T_W_B});
+  if (is_paused || is_jump) {
     HandOver(true);
     frames_.clear();
     last_keyframe_.reset();

@@ -18,6 +18,7 @@ bool IsSame(const Rigid3& a, const Rigid3& b) {
 }  // namespace
 
 bool ExtrinsicHistory::Add(std::int64_t key, const Rigid3& T_B_C) {
+  last_key_ = key;
   if (!Believes(T_B_C)) {
     return false;
   }

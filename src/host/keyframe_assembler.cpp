@@ -123,9 +123,12 @@ void KeyframeAssembler::AddPoints(std::int64_t stamp_ns, std::vector<TrackedPoin
 }
 
 void KeyframeAssembler::AddExtrinsic(std::int64_t stamp_ns, const Rigid3& T_B_C) {
-  if (!extrinsics_.Add(Key(stamp_ns), T_B_C)) {
+  const std::int64_t key = Key(stamp_ns);
+  if (!extrinsics_.Add(key, T_B_C)) {
     Drop(DropReason::kExtrinsicJump, stamp_ns);
   }
+  awaits_extrinsic_ = awaits_extrinsic_ || (!pose_keys_.empty() && pose_keys_.back() == key);
+  Settle();
 }
 
 void KeyframeAssembler::AddPose(std::int64_t stamp_ns, const Rigid3& T_W_B) {
@@ -282,7 +285,8 @@ void KeyframeAssembler::Settle() {
     const bool points_are_settled =
         head.points || is_late || head.later_points >= options_.later_messages;
     // Without an image there is nothing to wait for: points alone make no keyframe.
-    const bool is_settled = image_is_settled && (points_are_settled || !head.image);
+    const bool is_settled =
+        image_is_settled && (points_are_settled || !head.image) && CalibrationIsSettled();
     const bool overflows = pending_.size() > static_cast<std::size_t>(options_.max_pending) ||
                            static_cast<double>(PendingBytes()) > 1e6 * options_.image_memory_mb;
     if (!is_settled && !overflows) {
@@ -297,6 +301,12 @@ void KeyframeAssembler::Settle() {
   }
 }
 
+// Nor is one waited for once later keyframes have come.
+bool KeyframeAssembler::CalibrationIsSettled() const {
+  return !awaits_extrinsic_ || extrinsics_.Reaches(pending_.front().key) ||
+         pending_.size() > static_cast<std::size_t>(options_.later_messages);
+}
+
 std::size_t KeyframeAssembler::PendingBytes() const {
   std::size_t bytes = 0;
   for (const Pending& pending : pending_) {
@@ -307,6 +317,7 @@ std::size_t KeyframeAssembler::PendingBytes() const {
 
 void KeyframeAssembler::Resolve(Pending pending) {
   NoteRestart(pending);
+  awaits_extrinsic_ = awaits_extrinsic_ && extrinsics_.Reaches(pending.key);
   if (!pending.image) {
     Drop(DropReason::kMissingImage, pending.stamp_ns);
     return;
@@ -328,7 +339,7 @@ void KeyframeAssembler::Resolve(Pending pending) {
   keyframe.image = std::move(pending.image);
   keyframe.image_bytes = pending.image_bytes;
   keyframe.points = std::move(*pending.points);
-  keyframe.T_B_C = extrinsics_.At(pending.key);
+  keyframe.T_B_C = extrinsics_.At(pending.key - 1);  // one of this stamp may still be on its way
   on_keyframe_(std::move(keyframe));
 }
 

@@ -29,6 +29,15 @@ constexpr double kAcceleration = 5.0;
 // none is joined by its next loop, while a restart that is not told bends the map.
 constexpr double kLostTracksAcceleration = 2.0;
 
+// Whether it can't have come by `step` [m] after it flew with `velocity` [m/s].
+bool IsUnexplainedStep(const Eigen::Vector3d& step,
+                       const Eigen::Vector3d& velocity,
+                       double elapsed_s,
+                       double acceleration) {
+  const double limit_m = kStepMetres + elapsed_s * (kStepSpeed + 0.5 * acceleration * elapsed_s);
+  return (step - elapsed_s * velocity).norm() > limit_m;
+}
+
 using PointsById = std::unordered_map<std::int64_t, Eigen::Vector3d>;
 
 double Seconds(std::int64_t from_ns, std::int64_t to_ns) {
@@ -119,9 +128,15 @@ bool RestartDetector::IsUnexplained(const Keyframe& now, double acceleration) co
   if (!velocity_) {
     return false;
   }
-  const double elapsed_s = Seconds(last_->stamp_ns, now.stamp_ns);
-  const double limit_m = kStepMetres + elapsed_s * (kStepSpeed + 0.5 * acceleration * elapsed_s);
-  return (now.p_W - (last_->p_W + elapsed_s * *velocity_)).norm() > limit_m;
+  return IsUnexplainedStep(
+      now.p_W - last_->p_W, *velocity_, Seconds(last_->stamp_ns, now.stamp_ns), acceleration);
+}
+
+bool IsJump(const StampedPose& before, const StampedPose& last, const StampedPose& now) {
+  const Eigen::Vector3d velocity =
+      (last.pose.t - before.pose.t) / Seconds(before.stamp_ns, last.stamp_ns);
+  return IsUnexplainedStep(
+      now.pose.t - last.pose.t, velocity, Seconds(last.stamp_ns, now.stamp_ns), kAcceleration);
 }
 
 std::string RestartText(std::int64_t stamp_ns) {

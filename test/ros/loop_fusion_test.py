@@ -111,9 +111,12 @@ class LoopFusionTest(unittest.TestCase):
             values = message.channels[0].values
             self.assertEqual(len(values), 8)
             self.assertAlmostEqual(np.linalg.norm(values[3:7]), 1.0, places=3)
-            self.assertGreater(len(message.points), 10)
-            self.assertLessEqual({p.z for p in message.points}, ids[message.header.stamp])
-            self.assertTrue(all(abs(p.x) < 2 and abs(p.y) < 2 for p in message.points))
+            points, behind = message.points[:-1], message.points[-1]
+            self.assertGreater(len(points), 10)
+            self.assertLessEqual({p.z for p in points}, ids[message.header.stamp])
+            self.assertEqual([p.z for p in message.points], sorted(p.z for p in message.points))
+            self.assertGreater(behind.z, max(i for known in ids.values() for i in known))
+            self.assertTrue(all(abs(p.x) < 2 and abs(p.y) < 2 for p in points))
 
     def test_corrected_odometry_comes_at_the_vios_rate(self):
         sent = [m.header.stamp for _, topic, m in self.flight.messages if topic == ODOMETRY]

@@ -1,6 +1,8 @@
 #!/usr/bin/python3
-"""Save, kill, load, go on: a second flight is recognised in the map of the first."""
+"""Save, kill, load, go on: a second flight is recognised in the map of the first. And what the node says when it can't
+start or hears nothing."""
 
+import csv
 import os
 import shutil
 import signal
@@ -11,11 +13,14 @@ import unittest
 
 import rospy
 import rostest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from nav_msgs.msg import Path
 from roslib.packages import find_node
+from rosgraph_msgs.msg import Log
+from sensor_msgs.msg import CompressedImage
 
 from deja_view.srv import NamedMap
-from flight import Flight, NodeOutputs, wait_until
+from flight import Flight, NodeOutputs, Recorder, wait_until
 
 SPEED = 2.0
 
@@ -31,7 +36,7 @@ class PersistenceTest(unittest.TestCase):
             self.process.wait()
         shutil.rmtree(self.directory)
 
-    def start(self, flight, load="", output=""):
+    def start(self, flight, load="", output="", more=()):
         self.process = subprocess.Popen(
             [
                 # As roslaunch finds it; rosrun passes over a build directory within the package.
@@ -42,6 +47,7 @@ class PersistenceTest(unittest.TestCase):
                 "_map_directory:=" + os.path.join(self.directory, "maps"),
                 "_load_map_at_start:=" + load,
                 "_output_directory:=" + output,
+                *more,
             ]
         )
 
@@ -88,6 +94,29 @@ class PersistenceTest(unittest.TestCase):
         ):
             rospy.delete_param("/refused") if rospy.has_param("/refused") else None
             self.assertIn(told, self.refusal(node, *arguments))
+
+    def test_topics_that_are_silent_are_told(self):
+        said = Recorder({"/rosout": Log, "/diagnostics": DiagnosticArray})
+        compressed = rospy.Publisher("/compressed", CompressedImage, queue_size=1)
+        topics = ["_topics/image:=/compressed", "_topics/odometry:=/nobody"]
+        self.start(rospy.get_param("~flight"), more=topics)
+
+        def is_told(text):
+            return any(m.name == "/loop_fusion" and m.level == Log.WARN and text in m.msg for m in said["/rosout"])
+
+        for text in (
+            "no message on /nobody for 3 s: nobody publishes it",
+            "no message on /compressed for 3 s: it is published as sensor_msgs/CompressedImage, "
+            "expected sensor_msgs/Image",
+        ):
+            wait_until(lambda text=text: is_told(text), 20.0, text)
+
+        def is_diagnosed():
+            statuses = [s for m in said["/diagnostics"] for s in m.status if s.name.startswith("loop_fusion")]
+            return any(s.level == DiagnosticStatus.WARN and "no messages on /nobody" in s.message for s in statuses)
+
+        wait_until(is_diagnosed, 10.0, "the diagnostics")
+        compressed.unregister()
 
     def test_save_kill_load_go_on(self):
         first, second = rospy.get_param("~flight"), rospy.get_param("~second_flight")
@@ -137,6 +166,11 @@ class PersistenceTest(unittest.TestCase):
         with open(os.path.join(results, "trajectory.txt"), encoding="utf-8") as file:
             lines = [line for line in file if not line.startswith("#")]
         self.assertEqual(len(lines), len(flight.keyframe_stamps()))
+        # A join tells of many loops at once, and each reaches the topic.
+        with open(os.path.join(results, "loops.csv"), encoding="utf-8") as file:
+            rows = [row for row in csv.DictReader(file) if row["reason"] != "withdrawn"]
+        told = [loop for loop in outputs[NodeOutputs.LOOPS] if loop.reason != "withdrawn"]
+        self.assertEqual(len(told), len(rows))
 
 
 if __name__ == "__main__":

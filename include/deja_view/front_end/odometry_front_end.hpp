@@ -132,6 +132,7 @@ class OdometryFrontEnd {
     std::vector<SecondRay> second_rays;   ///< of a keyframe
     bool is_keyframe = false;
     bool is_handed_over = false;
+    StampedPose pose() const { return {stamp_ns, T_W_B}; }
   };
 
   void Restart(const StampedPose& first);

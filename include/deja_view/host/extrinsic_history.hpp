@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -26,9 +27,13 @@ class ExtrinsicHistory {
   /// The newest one that is believed, up to this time; nothing when all are later.
   std::optional<Rigid3> At(std::int64_t key) const;
 
+  /// Whether the last one, believed or not, is of this time or later.
+  bool Reaches(std::int64_t key) const { return last_key_ >= key; }
+
  private:
   bool Believes(const Rigid3& T_B_C);
 
+  std::int64_t last_key_ = std::numeric_limits<std::int64_t>::min();
   std::deque<std::pair<std::int64_t, Rigid3>> believed_;  ///< in order of arrival
   std::optional<Rigid3> jumped_;                          ///< the last one, if it is not believed
   int agreeing_ = 0;                                      ///< jumps in a row that agree

@@ -56,7 +56,7 @@ struct AssembledKeyframe {
   ImageSource image;                 ///< never empty
   std::size_t image_bytes = 0;       ///< that the source holds in memory
   std::vector<TrackedPoint> points;  ///< empty when the point message is missing
-  std::optional<Rigid3> T_B_C;       ///< newest calibration up to this keyframe's stamp, if any
+  std::optional<Rigid3> T_B_C;       ///< newest calibration before this keyframe's stamp, if any
 
   /// Decodes the image. Throws what the image source throws.
   KeyframeInput ToInput() const;
@@ -106,7 +106,8 @@ struct AssemblerCounts {
 /// the bounds of the options): a bag read at full speed and the same bag played through topics give
 /// the same keyframes. Pose stamps that go back are taken for a restart of the VIO when two come in
 /// a row; a single one is dropped. RestartDetector finds the restarts that the stamps do not tell.
-/// Images that are no keyframe's are dropped without being decoded.
+/// Images that are no keyframe's are dropped without being decoded. Where each keyframe has a
+/// calibration of its stamp, as OpenVINS', it waits for that, too.
 ///
 /// Stamps match when they are equal as double seconds: VIOs compute with those, so that the stamps
 /// they send may be rounded by up to 120 ns.
@@ -174,6 +175,7 @@ class KeyframeAssembler {
   void ResolveAll();
   void NoteRestart(const Pending& pending);
   void HoldImage(HeldImage image);
+  bool CalibrationIsSettled() const;
   void PruneImages();
   void PrunePoints();
   std::size_t PendingBytes() const;
@@ -187,6 +189,7 @@ class KeyframeAssembler {
   std::size_t image_bytes_ = 0;   ///< of these
   std::deque<Stamped<std::vector<TrackedPoint>>> points_;
   ExtrinsicHistory extrinsics_;
+  bool awaits_extrinsic_ = false;  ///< keyframes have had one of their own stamp
   std::deque<Pending> pending_;
   std::optional<Pending> suspect_;       ///< pose whose stamp went back
   std::deque<std::int64_t> pose_keys_;   ///< newest accepted poses

@@ -2,6 +2,7 @@
 
 #include "deja_view/geometry/rigid3.hpp"
 #include "deja_view/host/keyframe_input.hpp"
+#include "deja_view/host/odometry_input.hpp"
 
 #include <cstdint>
 #include <optional>
@@ -51,6 +52,10 @@ class RestartDetector {
   std::optional<Eigen::Vector3d> velocity_;  ///< [m/s] between the last two keyframes
   bool keeps_tracks_ = false;                ///< the last two keyframes have points in common
 };
+
+/// Whether a body can't have come from `last` to `now` after it flew from `before` to `last`;
+/// stamps ascend.
+bool IsJump(const StampedPose& before, const StampedPose& last, const StampedPose& now);
 
 /// What is told of a restart whose first keyframe is this one.
 std::string RestartText(std::int64_t stamp_ns);

@@ -5,6 +5,7 @@
 #include "deja_view/base/quote.hpp"
 #include "deja_view/io/encoded_image.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -20,7 +21,8 @@ namespace {
 
 constexpr std::int64_t kNanoseconds = 1000000000;
 constexpr const char* kWorld = "world";
-constexpr std::size_t kPointChannels = 5;  // x_n, y_n, u, v, feature id
+constexpr std::size_t kPointChannels = 5;           // x_n, y_n, u, v, feature id
+constexpr float kBehindEveryTrack = 2147483520.0F;  // the largest below 2^31, where ints end
 constexpr std::uint32_t kMaxImageSide = 32768;
 constexpr std::int64_t kMaxEncodedPixels = std::int64_t{1} << 26;
 
@@ -314,6 +316,10 @@ sensor_msgs::PointCloud ToMatchPoints(const Relocalisation& relocalisation,
     point.z = static_cast<float>(match.feature_id);
     message.points.push_back(point);
   }
+  std::sort(message.points.begin(), message.points.end(), [](const auto& a, const auto& b) {
+    return a.z < b.z;
+  });
+  message.points.emplace_back().z = kBehindEveryTrack;
   const Rigid3& T = relocalisation.T_M_Bold;
   sensor_msgs::ChannelFloat32 channel;
   for (const double value : Numbers(T.t)) {

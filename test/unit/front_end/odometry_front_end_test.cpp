@@ -1,6 +1,7 @@
 #include "deja_view/front_end/odometry_front_end.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/host/restart_detector.hpp"
 
 #include <cmath>
 
@@ -178,6 +179,30 @@ TEST_F(OdometryFrontEndTest, FollowsNothingAcrossAPause) {
       }
     }
   }
+}
+
+// As of an odometry that finds its scale, or jumps to where it was before.
+TEST_F(OdometryFrontEndTest, AStepThatNobodyFliesIsANewStart) {
+  OdometryFrontEnd front_end = Make();
+  Fly(&front_end, 0, 30);
+  for (int i = 30; i < 60; ++i) {
+    AddImage(&front_end, i);
+    Rigid3 T_W_B = Pose(i);
+    T_W_B.t.z() += 2;
+    front_end.AddPose(Stamp(i), T_W_B);
+  }
+  front_end.Flush();
+  RestartDetector detector;
+  std::vector<std::int64_t> restarts;
+  for (const OdometryFrontEnd::Keyframe& keyframe : keyframes_) {
+    if (detector.Add(keyframe.stamp_ns, keyframe.T_W_B, keyframe.points)) {
+      restarts.push_back(keyframe.stamp_ns);
+    }
+    for (const TrackedPoint& point : keyframe.points) {
+      EXPECT_NEAR(point.p_W.x(), 0.1 + kDistance, 0.3);
+    }
+  }
+  EXPECT_EQ(restarts, std::vector<std::int64_t>{Stamp(30)});
 }
 
 TEST_F(OdometryFrontEndTest, TellsOfBadImagesAndGoesOn) {

@@ -63,6 +63,11 @@ class KeyframeAssemblerTest : public ::testing::Test {
   void Points(int ms, int count = 3) {
     assembler_.AddPoints(Stamp(ms), std::vector<TrackedPoint>(static_cast<std::size_t>(count)));
   }
+  void Extrinsic(int ms, double x) {
+    Rigid3 T_B_C;
+    T_B_C.t.x() = x;
+    assembler_.AddExtrinsic(Stamp(ms), T_B_C);
+  }
   void Keyframe(int ms) {
     Image(ms);
     Pose(ms);

@@ -222,23 +222,47 @@ TEST_F(KeyframeAssemblerTest, ImagesOfALongHoverTakeNoMemory) {
 
 TEST_F(KeyframeAssemblerTest, CalibrationIsThatOfTheKeyframesTime) {
   Reset({});
-  const auto extrinsic = [this](int ms, double x) {
-    Rigid3 T_B_C;
-    T_B_C.t.x() = x;
-    assembler_.AddExtrinsic(Stamp(ms), T_B_C);
-  };
   Keyframe(0);
-  extrinsic(100, 1.0);
-  extrinsic(200, 1.0);
-  extrinsic(260, 7.0);
-  extrinsic(270, 8.0);
-  extrinsic(300, 1.01);
+  Extrinsic(100, 1.0);
+  Extrinsic(200, 1.0);
+  Extrinsic(260, 7.0);
+  Extrinsic(270, 8.0);
+  Extrinsic(299, 1.01);
   Keyframe(90);
   Keyframe(250);
   Keyframe(300);
   EXPECT_THAT(extrinsics_, ElementsAre(-1.0, -1.0, 1.0, 1.01));
   EXPECT_EQ(assembler_.counts().extrinsic_jumps, 2);
   EXPECT_THAT(drops_, ElementsAre(Pair(DropReason::kExtrinsicJump, 260)));
+}
+
+// As OpenVINS sends it: whether it comes before or behind its keyframe makes no difference.
+TEST_F(KeyframeAssemblerTest, ACalibrationOfEachKeyframeIsWaitedFor) {
+  Reset({});
+  Keyframe(0);
+  Extrinsic(0, 1.0);
+  Keyframe(50);
+  Keyframe(100);
+  EXPECT_EQ(output_.size(), 1U);
+  Extrinsic(50, 1.01);
+  Extrinsic(100, 1.02);
+  EXPECT_EQ(output_.size(), 3U);
+  Extrinsic(150, 1.03);
+  Keyframe(150);
+  EXPECT_THAT(extrinsics_, ElementsAre(-1.0, 1.0, 1.01, 1.02));
+}
+
+TEST_F(KeyframeAssemblerTest, ACalibrationThatStaysAwayHoldsUpTwoKeyframesOnce) {
+  Reset({});
+  Keyframe(0);
+  Extrinsic(0, 1.0);
+  Keyframe(50);
+  Keyframe(100);
+  EXPECT_EQ(output_.size(), 1U);
+  Keyframe(150);
+  EXPECT_EQ(output_.size(), 4U);
+  Keyframe(200);
+  EXPECT_THAT(extrinsics_, ElementsAre(-1.0, 1.0, 1.0, 1.0, 1.0));
 }
 
 TEST_F(KeyframeAssemblerTest, UnmatchedPointsAreCounted) {

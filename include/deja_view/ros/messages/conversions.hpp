@@ -50,9 +50,10 @@ sensor_msgs::PointCloud ToKeyframePoints(std::int64_t stamp_ns,
                                          const std::vector<TrackedPoint>& points,
                                          const Camera& camera);
 
-/// `/pose_graph/match_points`: points with x, y normalised in the old image and z the feature id;
-/// the first channel has the old body's position, quaternion (w, x, y, z) and the current
-/// keyframe's index.
+/// `/pose_graph/match_points`: points with x, y normalised in the old image and z the feature id,
+/// by ascending id; the first channel has the old body's position, quaternion (w, x, y, z) and the
+/// current keyframe's index. Ends with a point of an id that no track has: VINS-Mono looks for the
+/// ids of its tracks one after the other, and passes the end when it has one above the last.
 sensor_msgs::PointCloud ToMatchPoints(const Relocalisation& relocalisation,
                                       int current,
                                       std::int64_t stamp_current_ns,

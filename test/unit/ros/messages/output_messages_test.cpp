@@ -1,6 +1,8 @@
 #include "deja_view/ros/messages/output_messages.hpp"
 
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "test_cameras.hpp"
@@ -141,7 +143,7 @@ TEST(OutputMessagesTest, MatchPointsAreWhatVinsMonoReads) {
   relocalisation.points.push_back({42, {0.25, -0.5}});
   const sensor_msgs::PointCloud message = ToMatchPoints(relocalisation, 17, kStamp, "world");
   EXPECT_EQ(ToNanoseconds(message.header.stamp), kStamp);
-  ASSERT_EQ(message.points.size(), 1U);
+  ASSERT_EQ(message.points.size(), 2U);
   EXPECT_EQ(message.points[0].x, 0.25F);
   EXPECT_EQ(message.points[0].y, -0.5F);
   EXPECT_EQ(message.points[0].z, 42.0F);
@@ -152,6 +154,20 @@ TEST(OutputMessagesTest, MatchPointsAreWhatVinsMonoReads) {
   EXPECT_FLOAT_EQ(values[3], static_cast<float>(std::cos(0.25)));
   EXPECT_FLOAT_EQ(values[6], static_cast<float>(std::sin(0.25)));
   EXPECT_EQ(values[7], 17.0F);
+}
+
+TEST(OutputMessagesTest, MatchPointsAscendAndEndBehindEveryTrack) {
+  Relocalisation relocalisation;
+  relocalisation.points = {{42, {0.25, -0.5}}, {7, {0.5, 0.125}}, {19, {0, 0}}};
+  const sensor_msgs::PointCloud message = ToMatchPoints(relocalisation, 17, kStamp, "world");
+  ASSERT_EQ(message.points.size(), 4U);
+  EXPECT_EQ(message.points[0].z, 7.0F);
+  EXPECT_EQ(message.points[0].x, 0.5F);
+  EXPECT_EQ(message.points[1].z, 19.0F);
+  EXPECT_EQ(message.points[2].z, 42.0F);
+  // VINS-Mono makes an int of it.
+  EXPECT_GT(message.points[3].z, 2.1e9F);
+  EXPECT_LE(static_cast<double>(message.points[3].z), std::numeric_limits<std::int32_t>::max());
 }
 
 }  // namespace
