@@ -77,7 +77,8 @@ Cone BoundingCone(const std::vector<Eigen::Vector3f>& directions, float margin) 
   return cone;
 }
 
-BeamCaster::BeamCaster(const Scene& scene, const Rigid3& T_W_A) : local_(scene.surfaces.size()) {
+BeamCaster::BeamCaster(const Scene& scene, const Rigid3& T_W_A)
+    : origin_(T_W_A.t.cast<float>()), local_(scene.surfaces.size()) {
   const Eigen::Matrix3f R_A_W = T_W_A.R().transpose().cast<float>();
   for (std::size_t i = 0; i < local_.size(); ++i) {
     const Surface& surface = scene.surfaces[i];
@@ -119,6 +120,7 @@ void BeamCaster::Trace(const std::vector<std::int32_t>& candidates, RayPacket* p
 }
 
 void BeamCaster::Complete(RayPacket* packet) const {
+  packet->origin = origin_;
   for (int i = 0; i < RayPacket::kSize; ++i) {
     if (packet->surface[i] < 0) {
       continue;

@@ -17,6 +17,7 @@ std::vector<std::string> Violations(const WorldOptions& o) {
   r.Range("height_m", o.height_m, 2.8, 15.0);
   r.Range("texture_strength", o.texture_strength, 0.0, 1.5);
   r.Range("repetition", o.repetition, 0.0, 1.0);
+  r.Range("dark_share", o.dark_share, 0.0, 1.0);
   r.Range("windows", o.windows, 0, 40);
   r.Range("window_radiance", o.window_radiance, 0.1, 100.0);
   r.Range("furniture", o.furniture, 0, 500);
@@ -102,7 +103,7 @@ std::vector<std::string> SimOptions::Validate() const {
 }
 
 std::vector<std::string> PresetNames() {
-  return {"hall", "weak_texture", "repeated", "windows", "blur", "small"};
+  return {"hall", "weak_texture", "repeated", "windows", "dark", "blur", "small"};
 }
 
 SimOptions MakePreset(const std::string& name) {
@@ -118,6 +119,11 @@ SimOptions MakePreset(const std::string& name) {
   } else if (name == "windows") {
     options.world.windows = 12;
     options.world.window_radiance = 14.0;
+  } else if (name == "dark") {
+    options.world.dark_share = 0.6;
+    options.world.windows = 6;
+    options.world.window_radiance = 8.0;
+    options.world.posters = 30;
   } else if (name == "blur") {
     options.sensor.exposure_ms = 28.0;
     options.sensor.samples = 12;

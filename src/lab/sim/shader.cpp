@@ -3,6 +3,8 @@
 #include "deja_view/lab/sim/light.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <optional>
 
 #include "shade_kernel.hpp"
 
@@ -30,12 +32,49 @@ Shader::Shader(const Scene& scene, float sample_angle)
     s.light_height = surface.light_v;
     s.light = scene.light.data() + surface.light_offset;
   }
+  const auto is_glossy = [](const Surface& surface) { return surface.gloss > 0; };
+  if (std::any_of(scene.surfaces.begin(), scene.surfaces.end(), is_glossy)) {
+    std::copy_if(scene.surfaces.begin(),
+                 scene.surfaces.end(),
+                 std::back_inserter(mirrored_lights_.surfaces),
+                 [](const Surface& surface) { return surface.emission > 0; });
+  }
 }
 
 Shader::Lanes Shader::Shade(const RayPacket& packet) const {
   Lanes radiance;
   ShadePacket(surfaces_.data(), packet, &radiance);
+  if (!mirrored_lights_.surfaces.empty()) {
+    for (int i = 0; i < RayPacket::kSize; ++i) {
+      radiance[i] += Mirrored(packet, i);
+    }
+  }
   return radiance;
+}
+
+float Shader::Mirrored(const RayPacket& packet, int lane) const {
+  if (packet.surface[lane] < 0) {
+    return 0.0F;
+  }
+  const Surface& s = scene_.surfaces[static_cast<std::size_t>(packet.surface[lane])];
+  if (!(s.gloss > 0)) {
+    return 0.0F;
+  }
+  constexpr float kOffTheSurface_m = 1e-3F;
+  const Eigen::Vector3f p = s.Point(packet.u[lane], packet.v[lane]);
+  const Eigen::Vector3f normal = s.NormalAt(packet.u[lane]);
+  const Eigen::Vector3f ray = (p - packet.origin).normalized();
+  const Eigen::Vector3d from = (p + kOffTheSurface_m * normal).cast<double>();
+  const Eigen::Vector3d to = (ray - 2 * ray.dot(normal) * normal).cast<double>();
+  // Few rays meet a light, so that few are cast into the whole scene, for what stands before it.
+  const auto hit = CastRay(mirrored_lights_, from, to) ? CastRay(scene_, from, to) : std::nullopt;
+  if (!hit) {
+    return 0.0F;
+  }
+  const float slant = 1.0F - std::clamp(packet.cosine[lane], 0.0F, 1.0F);
+  const float slant_squared = slant * slant;
+  const float share = s.gloss + (1.0F - s.gloss) * slant_squared * slant_squared * slant;
+  return share * scene_.surfaces[static_cast<std::size_t>(hit->surface)].emission;
 }
 
 float Shader::ShadeOne(const RayPacket& packet, int lane) const {
@@ -54,7 +93,8 @@ float Shader::ShadeOne(const RayPacket& packet, int lane) const {
       s.texture_origin.x() + u / s.period.x(),
       s.texture_origin.y() + v / s.period.y(),
       footprint / std::min(s.period.x(), s.period.y()));
-  return reflectance * SampleLight(scene_, s, u, v);
+  const float mirrored = mirrored_lights_.surfaces.empty() ? 0.0F : Mirrored(packet, lane);
+  return reflectance * SampleLight(scene_, s, u, v) + mirrored;
 }
 
 }  // namespace deja_view::sim

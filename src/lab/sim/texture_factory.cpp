@@ -311,6 +311,16 @@ void DrawCamouflage(Canvas& c) {
   c.Weather(32, 5, 0.8, 0.3);
 }
 
+void DrawLacquer(Canvas& c) {
+  Rng& rng = c.rng();
+  c.image() = 0.03 + 0.004 * c.Noise(4, 6, 0.6);
+  for (int i = 0; i < 8; ++i) {
+    const double x = rng.Uniform(0, 1024);
+    const double y = rng.Uniform(0, 1024);
+    c.Line(x, y, x + 40 * rng.Normal(), y + 40 * rng.Normal(), rng.Uniform(0.04, 0.07), 2);
+  }
+}
+
 }  // namespace
 
 Texture MakeTexture(Material material, int size, double strength, Rng rng) {
@@ -339,6 +349,9 @@ Texture MakeTexture(Material material, int size, double strength, Rng rng) {
       break;
     case Material::kCamouflage:
       DrawCamouflage(canvas);
+      break;
+    case Material::kLacquer:
+      DrawLacquer(canvas);
       break;
   }
   cv::Mat image = canvas.image();

@@ -15,7 +15,7 @@ using Eigen::Vector3f;
 constexpr double kLane = 0.58;  // semi-axes of the lane over those of the hall
 
 /// How many different textures of each material a hall has without repetition.
-constexpr std::array<int, 8> kTextureCounts = {3, 2, 2, 3, 4, 14, 8, 2};
+constexpr std::array<int, 9> kTextureCounts = {3, 2, 2, 3, 4, 14, 8, 2, 2};
 
 Vector3f Float(const Eigen::Vector3d& v) {
   return v.cast<float>();
@@ -45,6 +45,7 @@ void WorldBuilder::Build(Scene* scene,
   AddWindows();
   AddPipes();
   AddPosters();
+  AddDarkPanels();
   AddFurniture();
 }
 
@@ -56,6 +57,9 @@ void WorldBuilder::MakeTextures() {
   std::vector<Job> jobs;
   textures_of_.resize(kTextureCounts.size());
   for (std::size_t m = 0; m < kTextureCounts.size(); ++m) {
+    if (static_cast<Material>(m) == Material::kLacquer && options_.dark_share == 0) {
+      continue;
+    }
     const double distinct = kTextureCounts[m] * (1.0 - options_.repetition);
     const int count = std::max(1, static_cast<int>(std::lround(distinct)));
     for (int i = 0; i < count; ++i) {
@@ -85,6 +89,7 @@ int WorldBuilder::PickTexture(Material material) {
 Surface& WorldBuilder::AddSurface(const Surface& shape, Material material, float period) {
   Surface surface = shape;
   surface.texture = PickTexture(material);
+  surface.gloss = material == Material::kLacquer ? 0.05F : 0.0F;  // as glass
   surface.period =
       period > 0 ? Eigen::Vector2f(period, period) : Eigen::Vector2f(shape.size_u, shape.size_v);
   if (period > 0 && !rng_.Chance(options_.repetition)) {
@@ -144,7 +149,8 @@ void WorldBuilder::AddRoom() {
   const Vector3f x(static_cast<float>(options_.length_m), 0, 0);
   const Vector3f y(0, static_cast<float>(options_.width_m), 0);
   const Vector3f z(0, 0, static_cast<float>(options_.height_m));
-  AddRectangle(Vector3f::Zero(), x, y, Material::kConcrete, 3.1F);
+  const Material floor = options_.dark_share > 0 ? Material::kLacquer : Material::kConcrete;
+  AddRectangle(Vector3f::Zero(), x, y, floor, 3.1F);
   AddRectangle(z + y, x, -y, Material::kPlaster, 2.4F);
   const std::array<Material, 4> walls = {
       Material::kBrick, Material::kPlaster, Material::kBrick, Material::kConcrete};
@@ -262,6 +268,26 @@ void WorldBuilder::AddPosters() {
   }
 }
 
+/// Doors and screens in turn.
+void WorldBuilder::AddDarkPanels() {
+  const int count = static_cast<int>(std::lround(options_.dark_share * 20));
+  for (int i = 0; i < count; ++i) {
+    const Wall& wall = walls_[static_cast<std::size_t>(i / 2) % 4];
+    const bool is_door = i % 2 == 0;
+    const float width = is_door ? 1.0F : 1.3F;
+    const float low = is_door ? 0.0F : static_cast<float>(rng_.Uniform(0.9, 1.3));
+    const auto left = static_cast<float>(rng_.Uniform(0.05, wall.length - width - 0.05));
+    // Before posters and windows.
+    const float lift = 0.05F + 0.0005F * static_cast<float>(i);
+    const Vector3f inwards = wall.along.cross(Vector3f::UnitZ());
+    AddRectangle(wall.corner + left * wall.along + low * Vector3f::UnitZ() + lift * inwards,
+                 width * wall.along,
+                 {0, 0, is_door ? 2.1F : 0.8F},
+                 Material::kLacquer,
+                 0);
+  }
+}
+
 Obstacle WorldBuilder::DrawFurniture() {
   Obstacle piece;
   const double x = options_.length_m;
@@ -334,9 +360,12 @@ void WorldBuilder::PlaceFurniture(const Obstacle& piece) {
                                                      Material::kPoster,
                                                      Material::kShelf,
                                                      Material::kShelf};
-  const Material sides = rng_.Chance(options_.repetition)
-                             ? Material::kShelf
-                             : kSides[static_cast<std::size_t>(rng_.Index(6))];
+  Material sides = rng_.Chance(options_.repetition)
+                       ? Material::kShelf
+                       : kSides[static_cast<std::size_t>(rng_.Index(6))];
+  if (options_.dark_share > 0 && rng_.Chance(options_.dark_share)) {
+    sides = Material::kLacquer;
+  }
   if (!piece.is_cylinder) {
     AddBox(piece, sides, 0);
     return;

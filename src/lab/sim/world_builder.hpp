@@ -46,6 +46,7 @@ class WorldBuilder {
   void AddWindows();
   void AddPipes();
   void AddPosters();
+  void AddDarkPanels();
   void AddFurniture();
   void PlaceFurniture(const Obstacle& piece);
   Obstacle DrawFurniture();

@@ -41,10 +41,11 @@ class BeamCaster {
   /// Nearest hits among `candidates`; overwrites range, surface, u and v of the packet.
   void Trace(const std::vector<std::int32_t>& candidates, RayPacket* packet) const;
 
-  /// Fills in what only shading needs: `cosine` of all hits, and `u` of cylinders.
+  /// Fills in what only shading needs: `origin`, `cosine` of all hits, and `u` of cylinders.
   void Complete(RayPacket* packet) const;
 
  private:
+  Eigen::Vector3f origin_;
   std::vector<LocalSurface> local_;
   std::vector<std::int32_t> visible_;
 };

@@ -17,6 +17,8 @@ struct WorldOptions {
   double height_m = 5.0;          ///< along z
   double texture_strength = 1.0;  ///< contrast of all surfaces: 0 bare, 1 as a machine hall
   double repetition = 0.0;  ///< share of posters, shelves and wall textures that are copies, 0 to 1
+  double dark_share = 0.0;  ///< of furniture that is black and glossy; above 0: so are floor, doors
+                            ///<   and screens
   int windows = 3;          ///< bright windows in the walls
   double window_radiance = 4.0;  ///< a white surface under the lamps has about 1
   int furniture = 46;            ///< boxes, shelves and drums
@@ -31,6 +33,7 @@ struct WorldOptions {
     v("height_m", height_m);
     v("texture_strength", texture_strength);
     v("repetition", repetition);
+    v("dark_share", dark_share);
     v("windows", windows);
     v("window_radiance", window_radiance);
     v("furniture", furniture);
@@ -180,8 +183,9 @@ struct SimOptions {
   }
 };
 
-/// Names that MakePreset knows: "hall" (the default), "weak_texture", "repeated", "windows", "blur"
-/// and "small" (half resolution, a small hall and 20 s; made in a few seconds, for tests).
+/// Names that MakePreset knows: "hall" (the default), "weak_texture", "repeated", "windows", "dark"
+/// (black, glossy surfaces that mirror lamps and windows), "blur" and "small" (half resolution, a
+/// small hall and 20 s; made in a few seconds, for tests).
 std::vector<std::string> PresetNames();
 
 /// Throws InputError for an unknown name.

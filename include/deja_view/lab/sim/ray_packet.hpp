@@ -17,6 +17,7 @@ struct alignas(64) RayPacket {
   std::array<std::int32_t, kSize> surface{};  ///< -1 where nothing is hit
   std::array<float, kSize> u{}, v{};          ///< [m] on the surface; u of a cylinder by Complete
   std::array<float, kSize> cosine{};          ///< between normal and ray back; by Complete
+  Eigen::Vector3f origin = Eigen::Vector3f::Zero();  ///< of the rays [m] in W; by Complete
 };
 
 /// A surface as seen from the origin of the rays, in frame A.

@@ -31,6 +31,7 @@ struct Surface {
   Eigen::Vector2f period = Eigen::Vector2f::Ones();          ///< [m] per period of the texture
   Eigen::Vector2f texture_origin = Eigen::Vector2f::Zero();  ///< [periods] at u = v = 0
   float emission = 0;  ///< own radiance; > 0: a lamp or window
+  float gloss = 0;     ///< share of light mirrored, seen squarely; 0: matt
 
   int light_u = 0;  ///< size of the baked light map, set by BakeLight
   int light_v = 0;

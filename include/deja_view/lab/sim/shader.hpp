@@ -9,7 +9,8 @@
 namespace deja_view::sim {
 
 /// Radiance of hits: reflectance from the mip-mapped texture times baked light, or the surface's
-/// own light. Works on whole packets, surface by surface.
+/// own light. Glossy surfaces mirror lamps and windows, by Schlick's share (An Inexpensive BRDF
+/// Model for Physically-based Rendering, 1994). Works on whole packets, surface by surface.
 class Shader {
  public:
   using Lanes = sim::Lanes;
@@ -25,9 +26,13 @@ class Shader {
   float ShadeOne(const RayPacket& packet, int lane) const;
 
  private:
+  /// What a ray sees of lamps and windows in a glossy surface.
+  float Mirrored(const RayPacket& packet, int lane) const;
+
   const Scene& scene_;
   float sample_angle_;
   std::vector<ShadedSurface> surfaces_;
+  Scene mirrored_lights_;  ///< lamps and windows, if anything is glossy
 };
 
 }  // namespace deja_view::sim

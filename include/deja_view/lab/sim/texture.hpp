@@ -42,7 +42,17 @@ class Texture {
 };
 
 /// What a surface is made of.
-enum class Material { kConcrete, kPlaster, kBrick, kPlanks, kPanels, kPoster, kShelf, kCamouflage };
+enum class Material {
+  kConcrete,
+  kPlaster,
+  kBrick,
+  kPlanks,
+  kPanels,
+  kPoster,
+  kShelf,
+  kCamouflage,
+  kLacquer  ///< black, with next to nothing to see on it
+};
 
 /// Draws a texture of `size` x `size` texels. `strength` scales its contrast about its mean.
 Texture MakeTexture(Material material, int size, double strength, Rng rng);

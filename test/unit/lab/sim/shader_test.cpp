@@ -1,5 +1,7 @@
 #include "deja_view/lab/sim/shader.hpp"
 
+#include <cmath>
+
 #include "instruction_sets.hpp"
 #include "scene_builders.hpp"
 #include "small_world.hpp"
@@ -77,6 +79,36 @@ TEST_F(ShaderTest, ARayIntoNothingIsBlackAndALampShinesByItself) {
   EXPECT_NEAR(radiance[0], 0.5, 5e-3);
   EXPECT_EQ(radiance[1], 7.0F);
   EXPECT_EQ(radiance[2], 0.0F);
+}
+
+TEST_F(ShaderTest, AGlossySurfaceMirrorsALampUnlessSomethingStandsBeforeIt) {
+  Scene scene;
+  scene.textures.push_back(MakePlainTexture(0.0F));
+  scene.surfaces.push_back(MakeSquare({0, 0, 2}, -Eigen::Vector3f::UnitZ(), 4));
+  scene.surfaces.push_back(MakeSquare({3, 0, 0}, Eigen::Vector3f::UnitZ(), 0.4F));
+  scene.surfaces[1].emission = 7.0F;
+  for (Surface& surface : scene.surfaces) {
+    surface.light_u = surface.light_v = 2;
+  }
+  scene.light.assign(4, 0.0F);
+  RayPacket packet;
+  packet.z.fill(1.0F);
+  packet.x[1] = 0.6F;  // meets (1.5, 0, 2), and from there the lamp
+  packet.z[1] = 0.8F;
+  const auto shade = [&] {
+    const BeamCaster caster(scene, Rigid3());
+    caster.Trace(caster.visible(), &packet);
+    caster.Complete(&packet);
+    return Shader(scene, 0.001F).Shade(packet);
+  };
+  EXPECT_EQ(shade()[1], 0.0F);
+  scene.surfaces[0].gloss = 0.05F;
+  const float schlick = 0.05F + 0.95F * std::pow(0.2F, 5.0F);
+  EXPECT_NEAR(shade()[1], 7.0F * schlick, 1e-4);
+  EXPECT_EQ(shade()[0], 0.0F);
+  scene.surfaces.push_back(MakeSquare({2.25F, 0, 1}, Eigen::Vector3f::UnitZ(), 0.4F));
+  scene.surfaces[2].light_u = scene.surfaces[2].light_v = 2;
+  EXPECT_EQ(shade()[1], 0.0F);
 }
 
 }  // namespace

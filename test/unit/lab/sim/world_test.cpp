@@ -1,11 +1,17 @@
 #include "deja_view/lab/sim/world.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/lab/sim/image_sensor.hpp"
+#include "deja_view/lab/sim/renderer.hpp"
 
 #include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include "small_world.hpp"
 #include <gtest/gtest.h>
+#include <opencv2/features2d.hpp>
 
 namespace deja_view::sim {
 namespace {
@@ -62,6 +68,43 @@ TEST(World, RepetitionLeavesFewTextures) {
 TEST(World, LightIsFiniteAndNotNegative) {
   for (const float light : TinyWorld()->scene().light) {
     ASSERT_TRUE(std::isfinite(light) && light >= 0);
+  }
+}
+
+/// What a camera in the hall of a preset sees to eight sides.
+std::vector<cv::Mat> PhotographHall(const std::string& preset) {
+  SimOptions options = MakePreset(preset);
+  options.camera.scale = 0.5;
+  options.world.texture_size_px = 256;
+  options.world.light_spacing_m = 0.5;
+  const auto camera = std::make_shared<PinholeCamera>(SimulatedCamera(options.camera));
+  const Renderer renderer(
+      std::make_shared<const World>(1, options.world, 1), camera, options.sensor.samples, 1);
+  std::vector<cv::Mat> images;
+  for (int i = 0; i < 8; ++i) {
+    ImageSensor sensor(options.sensor, *camera, 1);
+    images.push_back(
+        sensor.Expose(renderer.RenderRadiance(LookAlong(renderer.world(), 0.785 * i))));
+  }
+  return images;
+}
+
+double ShareDarkerThan(int grey, const std::vector<cv::Mat>& images) {
+  double dark = 0;
+  for (const cv::Mat& image : images) {
+    dark += cv::countNonZero(image < grey) / static_cast<double>(image.total());
+  }
+  return dark / static_cast<double>(images.size());
+}
+
+TEST(World, ADarkHallIsBlackInLargePartAndHasCornersElsewhere) {
+  const std::vector<cv::Mat> dark = PhotographHall("dark");
+  EXPECT_GT(ShareDarkerThan(48, dark), 0.3);
+  EXPECT_LT(ShareDarkerThan(48, PhotographHall("hall")), 0.1);
+  for (const cv::Mat& image : dark) {
+    std::vector<cv::KeyPoint> corners;
+    cv::FAST(image, corners, 20);
+    EXPECT_GT(corners.size(), 200U);
   }
 }
 
