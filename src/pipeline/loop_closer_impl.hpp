@@ -92,7 +92,7 @@ class LoopCloserImpl {
   /// A loop was accepted so lately that the corrected pose is the better guess.
   bool IsLocalised() const;
   bool IsWithinReach(int old, const NewKeyframe& current) const;
-  std::vector<RigCamera> RigOf(int old, const KeyframeFeatures& old_features) const;
+  std::vector<std::vector<RigCamera>> RigsOf(int old, const KeyframeFeatures& old_features) const;
   Verification VerifyPair(int old,
                           const KeyframeFeatures& old_features,
                           bool with_views,

@@ -63,29 +63,47 @@ std::vector<Candidate> LoopCloserImpl::FindCandidates(const NewKeyframe& current
 }
 
 // By where the newest keyframe should be, if that is known.
-std::vector<RigCamera> LoopCloserImpl::RigOf(int old, const KeyframeFeatures& old_features) const {
+std::vector<std::vector<RigCamera>> LoopCloserImpl::RigsOf(
+    int old, const KeyframeFeatures& old_features) const {
   const int newest = keyframes_.newest();
   std::optional<NearCamera> near;
   if (keyframes_.AreJoined(old, newest)) {
     near = NearCamera{keyframes_.T_M_C(old).Inverse() * keyframes_.T_M_C(newest),
                       SceneDepth(old_features)};
   }
-  return shelf_.RigOf(old, old_features.T_B_C, near);
+  return shelf_.RigsOf(old, old_features.T_B_C, near);
 }
 
+// With views: by the first rig that is believed, or else what the best one said.
 Verification LoopCloserImpl::VerifyPair(int old,
                                         const KeyframeFeatures& old_features,
                                         bool with_views,
                                         const NewKeyframe& current) const {
   const int newest = keyframes_.newest();
-  return verifier_.VerifyRig(current.features,
-                             keyframes_.node(newest).T_W_B.q,
-                             old_features,
-                             keyframes_.node(old).T_W_B.q,
-                             with_views ? RigOf(old, old_features) : std::vector<RigCamera>(),
-                             keyframes_.AreJoined(old, newest)
-                                 ? std::optional<Rigid3>(keyframes_.T_a_b(old, newest))
-                                 : std::nullopt);
+  const auto verify = [&](const std::vector<RigCamera>& rig) {
+    return verifier_.VerifyRig(current.features,
+                               keyframes_.node(newest).T_W_B.q,
+                               old_features,
+                               keyframes_.node(old).T_W_B.q,
+                               rig,
+                               keyframes_.AreJoined(old, newest)
+                                   ? std::optional<Rigid3>(keyframes_.T_a_b(old, newest))
+                                   : std::nullopt);
+  };
+  if (!with_views) {
+    return verify({});
+  }
+  std::optional<Verification> best;
+  for (const std::vector<RigCamera>& rig : RigsOf(old, old_features)) {
+    Verification verification = verify(rig);
+    if (!best || verification.reason == RejectReason::kNone) {
+      best = std::move(verification);
+    }
+    if (best->reason == RejectReason::kNone) {
+      break;
+    }
+  }
+  return best ? *best : verify({});
 }
 
 LoopReport LoopCloserImpl::Verify(const Candidate& candidate,

@@ -55,6 +55,7 @@ std::vector<std::string> VirtualViewOptions::Validate() const {
   r.That(keep >= 0, "keep", keep, "at least 0");
   r.That(max_features >= 1, "max_features", max_features, "at least 1");
   r.That(in_rig >= 1, "in_rig", in_rig, "at least 1");
+  r.That(rigs >= 1, "rigs", rigs, "at least 1");
   r.That(max_tried >= 0, "max_tried", max_tried, "at least 0");
   r.That(max_waiting >= 0, "max_waiting", max_waiting, "at least 0");
   r.That(max_waiting_mb >= 0, "max_waiting_mb", max_waiting_mb, "at least 0");

@@ -233,29 +233,34 @@ const std::vector<StoredView>& ViewShelf::Of(int keyframe) const {
   return it == kept_.end() ? kNone : it->second;
 }
 
-std::vector<RigCamera> ViewShelf::RigOf(int keyframe,
-                                        const Rigid3& T_B_C,
-                                        const std::optional<NearCamera>& near) const {
+std::vector<std::vector<RigCamera>> ViewShelf::RigsOf(int keyframe,
+                                                      const Rigid3& T_B_C,
+                                                      const std::optional<NearCamera>& near) const {
   const std::vector<StoredView>& views = Of(keyframe);
-  std::vector<std::size_t> wanted(views.size());
-  std::iota(wanted.begin(), wanted.end(), 0);
-  const auto most = static_cast<std::size_t>(options_.in_rig);
-  if (near && wanted.size() > most) {
+  std::vector<std::size_t> order(views.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::size_t in_rig = std::max<std::size_t>(1, views.size());
+  if (near) {
+    in_rig = static_cast<std::size_t>(options_.in_rig);
     std::vector<double> differences;
     for (const StoredView& view : views) {
       differences.push_back(Difference(view.T_C_V, *near));
     }
-    std::stable_sort(wanted.begin(), wanted.end(), [&](std::size_t a, std::size_t b) {
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
       return differences[a] < differences[b];
     });
-    wanted.resize(most);
-    std::sort(wanted.begin(), wanted.end());
   }
-  std::vector<RigCamera> rig;
-  for (const std::size_t i : wanted) {
-    rig.push_back(ToRigCamera(views[i], T_B_C, options_));
+  std::vector<std::vector<RigCamera>> rigs;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    if (k % in_rig == 0) {
+      if (static_cast<int>(rigs.size()) == options_.rigs) {
+        break;
+      }
+      rigs.emplace_back();
+    }
+    rigs.back().push_back(ToRigCamera(views[order[k]], T_B_C, options_));
   }
-  return rig;
+  return rigs;
 }
 
 }  // namespace deja_view

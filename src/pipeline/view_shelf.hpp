@@ -54,12 +54,13 @@ class ViewShelf {
 
   const std::vector<StoredView>& Of(int keyframe) const;
   const Views& kept() const { return kept_; }
-  /// The keyframe's views as cameras of a rig around its own, in their order: of more than
-  /// `in_rig` those nearest to `near`, if that is known. What is far off sees little of the same,
-  /// and its chance matches hide the others'.
-  std::vector<RigCamera> RigOf(int keyframe,
-                               const Rigid3& T_B_C,
-                               const std::optional<NearCamera>& near) const;
+  /// The keyframe's views as cameras of rigs around its own, the best first: `in_rig` in each,
+  /// those nearest to `near` in the first, the next ones in the second, until there are `rigs`; all
+  /// in one where `near` is not known. What is far off sees little of the same, and its chance
+  /// matches hide the others'.
+  std::vector<std::vector<RigCamera>> RigsOf(int keyframe,
+                                             const Rigid3& T_B_C,
+                                             const std::optional<NearCamera>& near) const;
 
   const ViewCounts& counts() const { return counts_; }
   /// Heap memory [bytes] of the views kept, without their part of the index.

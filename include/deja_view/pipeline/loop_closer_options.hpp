@@ -97,6 +97,7 @@ struct VirtualViewOptions {
   int keep = 8;
   int max_features = 350;   ///< strongest, spread over the image
   int in_rig = 1;           ///< of a keyframe's views, those nearest to where the drone should be
+  int rigs = 2;             ///< of a keyframe tried, one after the other, each with the next views
   int max_tried = 6;        ///< candidates per keyframe that are verified with their views
   int max_waiting = 400;    ///< views whose keyframe has not come yet; the oldest is given up first
   int max_waiting_mb = 64;  ///< the same of their images and features [MiB]
@@ -114,6 +115,7 @@ struct VirtualViewOptions {
     v("keep", keep);
     v("max_features", max_features);
     v("in_rig", in_rig);
+    v("rigs", rigs);
     v("max_tried", max_tried);
     v("max_waiting", max_waiting);
     v("max_waiting_mb", max_waiting_mb);

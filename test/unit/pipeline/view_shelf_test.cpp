@@ -92,7 +92,7 @@ TEST_F(ViewShelfTest, KeepsAViewWithItsKeyframe) {
   EXPECT_EQ(shelf.Add(View(2, 5), keyframes_), ViewOutcome::kNoPlace);
   EXPECT_THAT(Indices(shelf, 1), ElementsAre(5, 3));
   EXPECT_THAT(Indices(shelf, 0), IsEmpty());
-  EXPECT_EQ(shelf.RigOf(1, test::ForwardExtrinsic(), std::nullopt).size(), 2U);
+  EXPECT_EQ(shelf.RigsOf(1, test::ForwardExtrinsic(), std::nullopt).at(0).size(), 2U);
   EXPECT_EQ(shelf.counts().received, 4);
   EXPECT_EQ(shelf.counts().kept, 2);
   EXPECT_EQ(shelf.counts().duplicates, 1);
@@ -100,26 +100,34 @@ TEST_F(ViewShelfTest, KeepsAViewWithItsKeyframe) {
   EXPECT_GT(shelf.memory_bytes(), 2 * 250 * sizeof(Descriptor));
 }
 
-TEST_F(ViewShelfTest, ARigHasTheViewsNearestToTheDrone) {
+TEST_F(ViewShelfTest, RigsHaveTheViewsNearestToTheDroneFirst) {
   options_.in_rig = 2;
+  options_.rigs = 2;
   ViewShelf shelf = Make();
-  for (const int index : {7, 8, 9}) {
+  for (const int index : {5, 6, 7, 8, 9}) {
     VirtualView view = View(1, index);
     view.T_C_V.t.x() += 0.001 * index;
     ASSERT_EQ(shelf.Add(view, keyframes_), ViewOutcome::kKept);
   }
   const auto numbers = [&](const std::optional<NearCamera>& near) {
-    std::vector<int> result;
-    for (const RigCamera& camera : shelf.RigOf(1, test::ForwardExtrinsic(), near)) {
-      result.push_back(camera.number);
+    std::vector<std::vector<int>> result;
+    for (const std::vector<RigCamera>& rig : shelf.RigsOf(1, test::ForwardExtrinsic(), near)) {
+      result.emplace_back();
+      for (const RigCamera& camera : rig) {
+        result.back().push_back(camera.number);
+      }
     }
     return result;
   };
-  EXPECT_THAT(numbers(std::nullopt), ElementsAre(7, 8, 9)) << "nobody knows which";
-  const Rigid3 last = shelf.Of(1).back().T_C_V;
-  EXPECT_THAT(numbers(NearCamera{last, 3}), ElementsAre(8, 9));
-  const Rigid3 first = shelf.Of(1).front().T_C_V;
-  EXPECT_THAT(numbers(NearCamera{first, 3}), ElementsAre(7, 8));
+  EXPECT_THAT(numbers(std::nullopt), ElementsAre(ElementsAre(5, 6, 7, 8, 9))) << "nobody knows";
+  const auto at = [&](std::size_t i, double turned) {
+    Rigid3 T_C_near = shelf.Of(1)[i].T_C_V;
+    T_C_near.q = T_C_near.q * ExpSo3({0, turned, 0});
+    return NearCamera{T_C_near, 3};
+  };
+  EXPECT_THAT(numbers(at(4, 0)), ElementsAre(ElementsAre(9, 8), ElementsAre(7, 6)));
+  EXPECT_THAT(numbers(at(0, 0.3)), ElementsAre(ElementsAre(5, 6), ElementsAre(7, 8)));
+  EXPECT_TRUE(shelf.RigsOf(0, test::ForwardExtrinsic(), std::nullopt).empty());
 }
 
 TEST_F(ViewShelfTest, IndexesWhatItKeepsAndNoMore) {
