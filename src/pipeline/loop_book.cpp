@@ -53,6 +53,7 @@ LoopBook::Entry LoopBook::Enter(LoopReport loop, PoseGraph* graph) {
     record.state = State::kAccepted;
     record.report.reason = RejectReason::kNone;
     const int id = graph->AddLoop(believed.loop);
+    ++believed_[record.report.old];
     record.edge = graph->loops().count(id) > 0 ? id : -1;
     entry.believed.push_back(believed.tag);
   }
@@ -114,6 +115,7 @@ std::vector<LoopReport> LoopBook::Withdraw(const std::vector<int>& edges) {
     const auto it = Find(edge);
     DEJA_VIEW_CHECK(it != records_.end());
     reports.push_back(it->second.report);
+    --believed_[it->second.report.old];
     reports.back().reason = RejectReason::kWithdrawn;
     consistency_.Withdraw(it->first);
     records_.erase(it);
@@ -130,6 +132,11 @@ void LoopBook::Settle(const std::vector<int>& edges) {
       records_.erase(it);
     }
   }
+}
+
+int LoopBook::CountOf(int place) const {
+  const auto it = believed_.find(place);
+  return it == believed_.end() ? 0 : it->second;
 }
 
 int LoopBook::NewestLocalised() const {

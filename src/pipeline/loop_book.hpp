@@ -51,6 +51,8 @@ class LoopBook {
 
   const LoopRecord& operator[](int i) const { return records_.at(i); }
   int size() const { return next_; }  ///< records ever
+  /// Loops with a place that were believed, except those withdrawn.
+  int CountOf(int place) const;
   /// Records that are kept.
   std::size_t kept() const { return records_.size(); }
   /// Newest keyframe that has a loop in the graph; -1: none has.
@@ -68,6 +70,7 @@ class LoopBook {
 
   LoopConsistency consistency_;
   std::map<int, LoopRecord> records_;
+  std::map<int, int> believed_;  ///< loops per place
   int next_ = 0;
 };
 

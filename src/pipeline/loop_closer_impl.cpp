@@ -1,9 +1,11 @@
 #include "loop_closer_impl.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/parallel.hpp"
 #include "deja_view/base/requirements.hpp"
 #include "deja_view/features/make_feature_extractor.hpp"
 
+#include <algorithm>
 #include <set>
 #include <utility>
 
@@ -298,6 +300,25 @@ void LoopCloserImpl::Save(const std::filesystem::path& directory) const {
            shelf_.kept());
 }
 
+// To look the words up is most of the work, and the same on any number of threads.
+void LoopCloserImpl::AddLoadedPlaces() {
+  constexpr std::size_t kAtOnce = 4096;  // whose bags wait for the index, some kB each
+  const KeyframeMap& keyframes = keyframes_;
+  const std::vector<int>& places = keyframes.places();
+  for (std::size_t first = 0; first < places.size(); first += kAtOnce) {
+    std::vector<BowVector> bags(std::min(kAtOnce, places.size() - first));
+    ParallelFor(0, bags.size(), [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        bags[i] = places_.Bag(keyframes.features(places[first + i]).descriptors);
+      }
+    });
+    for (std::size_t i = 0; i < bags.size(); ++i) {
+      const int place = places[first + i];
+      places_.Add(place, keyframes.node(place).sequence, keyframes[place].stamp_ns, bags[i]);
+    }
+  }
+}
+
 void LoopCloserImpl::Load(const std::filesystem::path& directory) {
   LoadedMap map =
       ReadMap(directory, {DescriptorKind(options_.features), *camera_}, options_.pose_graph);
@@ -308,12 +329,12 @@ void LoopCloserImpl::Load(const std::filesystem::path& directory) {
   loops_ = LoopBook(options_.consistency, map.loops);
   places_.Clear();
   shelf_.Clear();
+  AddLoadedPlaces();
   for (const int place : keyframes_.places()) {
-    places_.Add(place,
-                keyframes_.node(place).sequence,
-                keyframes_[place].stamp_ns,
-                places_.Bag(keyframes_.features(place).descriptors));
-    shelf_.Restore(place, std::move(map.views[place]));
+    const auto views = map.views.find(place);
+    if (views != map.views.end()) {
+      shelf_.Restore(place, std::move(views->second));
+    }
   }
   last_localised_ = -1;
   starts_sequence_ = true;

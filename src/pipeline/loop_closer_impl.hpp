@@ -86,6 +86,9 @@ class LoopCloserImpl {
                                    bool with_views,
                                    const NewKeyframe& current) const;
 
+  /// Makes a loaded map's places known by their words.
+  void AddLoadedPlaces();
+
   NearbyPlace CameraOf(int keyframe) const;
   /// The cameras of all places in the newest keyframe's world.
   std::vector<NearbyPlace> CamerasAround(bool with_views) const;
@@ -106,6 +109,8 @@ class LoopCloserImpl {
                     const Verification& verification,
                     const NewKeyframe& current,
                     KeyframeReport* report);
+  /// What a believed loop says was known before, so that others would say it again.
+  bool IsKnownWell(int record) const;
   Relocalisation MakeRelocalisation(const LoopReport& loop,
                                     const Verification& verification,
                                     const NewKeyframe& current) const;

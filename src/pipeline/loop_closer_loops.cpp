@@ -12,6 +12,7 @@ namespace deja_view {
 namespace {
 
 constexpr double kLocalisedSeconds = 5.0;  // how long the corrected pose is the better guess
+constexpr double kExpectedSigmas = 2.5;    // of a loop that says what the graph says
 
 }  // namespace
 
@@ -187,6 +188,14 @@ bool LoopCloserImpl::TakeVerified(const LoopReport& loop,
   return is_believed;
 }
 
+bool LoopCloserImpl::IsKnownWell(int record) const {
+  const LoopRecord& loop = loops_[record];
+  const PoseGraph& graph = keyframes_.graph();
+  return options_.candidates.known_loops > 0 && loop.edge >= 0 &&
+         loops_.CountOf(loop.report.old) > options_.candidates.known_loops &&
+         graph.SquaredError(graph.loop(loop.edge)) < kExpectedSigmas * kExpectedSigmas;
+}
+
 // Where the flight knows its place in the map, a candidate that lies beyond what verification lets
 // pass is not worth a rig.
 bool LoopCloserImpl::IsWithinReach(int old, const NewKeyframe& current) const {
@@ -205,22 +214,33 @@ bool LoopCloserImpl::IsWithinReach(int old, const NewKeyframe& current) const {
 }
 
 // The real images of all candidates first: a rig costs several times as much, and is of use only
-// where they don't do.
+// where they don't do. Where a place is known well, one loop is enough: what many loops have tied
+// needs no more of them, and a flight of hours over it would verify the same again and again. But
+// own places don't keep a flight from finding a map that it has not joined yet.
 void LoopCloserImpl::FindLoops(const std::vector<Candidate>& candidates,
                                const NewKeyframe& current,
                                KeyframeReport* report) {
   const StepTimer timer(&report->times.verification);
-  int found = 0;
+  int wanted = options_.candidates.max_loops;
   int rigs = 0;
+  const auto is_wanted = [&](const Candidate& candidate) {
+    return wanted > 0 || !keyframes_.AreJoined(candidate.keyframe, keyframes_.newest());
+  };
+  const auto take = [&](const LoopReport& loop, const Verification& verification) {
+    const int record = loops_.size();
+    if (TakeVerified(loop, verification, current, report)) {
+      wanted = IsKnownWell(record) ? 0 : wanted - 1;
+    }
+  };
   std::vector<std::pair<Candidate, LoopReport>> failed;
   for (const Candidate& candidate : candidates) {
-    if (found >= options_.candidates.max_loops) {
-      break;
+    if (!is_wanted(candidate)) {
+      continue;
     }
     Verification verification;
     const LoopReport loop = Verify(candidate, false, current, &verification);
     if (loop.reason == RejectReason::kNone) {
-      found += TakeVerified(loop, verification, current, report) ? 1 : 0;
+      take(loop, verification);
     } else {
       failed.emplace_back(candidate, loop);
     }
@@ -229,12 +249,12 @@ void LoopCloserImpl::FindLoops(const std::vector<Candidate>& candidates,
     const bool is_worth_it =
         !shelf_.Of(candidate.keyframe).empty() && IsWithinReach(candidate.keyframe, current);
     Verification verification;
-    if (is_worth_it && found < options_.candidates.max_loops && rigs < options_.views.max_tried) {
+    if (is_worth_it && is_wanted(candidate) && rigs < options_.views.max_tried) {
       ++rigs;
       loop = Verify(candidate, true, current, &verification);
     }
     if (loop.reason == RejectReason::kNone) {
-      found += TakeVerified(loop, verification, current, report) ? 1 : 0;
+      take(loop, verification);
     } else {
       report->loops.push_back(loop);
     }

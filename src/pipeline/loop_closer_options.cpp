@@ -13,6 +13,7 @@ std::vector<std::string> CandidateOptions::Validate() const {
   r.That(retrieved >= 0, "retrieved", retrieved, "at least 0");
   r.That(island_gap_s >= 0, "island_gap_s", island_gap_s, "at least 0");
   r.That(max_loops >= 1, "max_loops", max_loops, "at least 1");
+  r.That(known_loops >= 0, "known_loops", known_loops, "at least 0");
   r.That(members_per_island >= 1, "members_per_island", members_per_island, "at least 1");
   r.That(max_verified >= 1, "max_verified", max_verified, "at least 1");
   r.That(nearby >= 0, "nearby", nearby, "at least 0");

@@ -280,29 +280,78 @@ void Add64(const std::vector<WeightedBitmap<std::uint64_t>>& bitmaps, std::uint6
   AddAll(bitmaps, sums);
 }
 
-// Plain for all: what an instruction set has is the counting of a word's bits.
+// A pair of synonyms, to the sums of both.
+void AddPair(
+    std::size_t i, std::size_t j, double k, const std::vector<double>& values, SynonymSums* s) {
+  s->sums[i] += k * values[j];
+  s->sums[j] += k * values[i];
+  s->totals[i] += k;
+  s->totals[j] += k;
+}
+
+#if defined(DEJA_VIEW_HAVE_HIGHWAY) && HWY_TARGET != HWY_SCALAR
+
+// Each centroid against several of those before it at a time; hardly any are synonyms.
+SynonymSums SumPairs(const std::vector<Descriptor>& centroids,
+                     const std::vector<double>& values,
+                     const std::vector<double>& weights) {
+  const hn::ScalableTag<std::int64_t> d;
+  const hn::Repartition<std::uint8_t, decltype(d)> d8;
+  const std::size_t lanes = hn::Lanes(d);
+  const std::size_t padded = centroids.size() + lanes;
+  std::vector<std::int64_t> planes(4 * padded);  // word after word of all
+  for (std::size_t i = 0; i < centroids.size(); ++i) {
+    for (std::size_t word = 0; word < 4; ++word) {
+      planes[word * padded + i] = static_cast<std::int64_t>(centroids[i].words[word]);
+    }
+  }
+  const auto limit = hn::Set(d, static_cast<std::int64_t>(weights.size()));
+  std::vector<std::int64_t> distances(lanes);
+  SynonymSums s{values, std::vector<double>(values.size(), 1.0)};
+  for (std::size_t i = 1; i < centroids.size(); ++i) {
+    const std::int64_t* own = planes.data() + i;
+    for (std::size_t begin = 0; begin < i; begin += lanes) {
+      const std::int64_t* others = planes.data() + begin;
+      const auto bits = [&](std::size_t word) HWY_ATTR {
+        return hn::PopulationCount(hn::BitCast(
+            d8, hn::Xor(hn::Set(d, own[word * padded]), hn::LoadU(d, others + word * padded))));
+      };
+      // At most 8 per byte and word, 32 in all.
+      const auto bytes = hn::Add(hn::Add(bits(0), bits(1)), hn::Add(bits(2), bits(3)));
+      const auto distance = hn::BitCast(d, hn::SumsOf8(bytes));
+      if (hn::AllFalse(d, hn::Lt(distance, limit))) {
+        continue;
+      }
+      hn::StoreU(distance, d, distances.data());
+      for (std::size_t j = begin; j < std::min(i, begin + lanes); ++j) {
+        const auto bit_count = static_cast<std::size_t>(distances[j - begin]);
+        if (bit_count < weights.size()) {
+          AddPair(i, j, weights[bit_count], values, &s);
+        }
+      }
+    }
+  }
+  return s;
+}
+
+#else
+
 SynonymSums SumPairs(const std::vector<Descriptor>& centroids,
                      const std::vector<double>& values,
                      const std::vector<double>& weights) {
   SynonymSums s{values, std::vector<double>(values.size(), 1.0)};
   for (std::size_t i = 0; i < centroids.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      std::size_t distance = 0;
-      for (std::size_t word = 0; word < 4; ++word) {
-        distance += static_cast<std::size_t>(
-            __builtin_popcountll(centroids[i].words[word] ^ centroids[j].words[word]));
-      }
+      const auto distance = static_cast<std::size_t>(HammingDistance(centroids[i], centroids[j]));
       if (distance < weights.size()) {
-        const double k = weights[distance];
-        s.sums[i] += k * values[j];
-        s.sums[j] += k * values[i];
-        s.totals[i] += k;
-        s.totals[j] += k;
+        AddPair(i, j, weights[distance], values, &s);
       }
     }
   }
   return s;
 }
+
+#endif
 
 }  // namespace
 }  // namespace deja_view::internal::HWY_NAMESPACE

@@ -1,15 +1,17 @@
 // Runs a fuzz target. Built with clang and -DDEJA_VIEW_FUZZ=ON it is libFuzzer's, which explores
 // (scripts/fuzz). Otherwise it changes the target's seeds at random from a fixed seed:
-//   TARGET [--seconds S] [--memory-mb M]   for so long, and with at most so much memory
-//   TARGET FILE...                         these inputs
-//   TARGET --seeds DIR                     writes the seeds there
+//   TARGET [--seconds S] [--memory-mb M] [--seed N]   for so long, and with at most so much memory
+//   TARGET FILE...                                    these inputs
+//   TARGET --seeds DIR                                writes the seeds there
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/hash.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <fstream>
 #include <iostream>
 #include <iterator>
@@ -17,6 +19,7 @@
 
 #include "fuzz.hpp"
 #include <sys/resource.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 namespace deja_view::fuzz {
@@ -113,12 +116,24 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// An input that takes longer hangs: the alarm ends the program.
-constexpr unsigned kHangs = 20;
+// An input that computes longer, or waits longer, hangs: a signal ends the program.
+constexpr unsigned kComputesS = 20;
+constexpr unsigned kWaitsS = 600;  // a busy machine makes all wait
+
+void LimitTime(unsigned computes_s, unsigned waits_s) {
+  const itimerval limit = {{0, 0}, {static_cast<time_t>(computes_s), 0}};
+  ::setitimer(ITIMER_PROF, &limit, nullptr);
+  ::alarm(waits_s);
+}
+
+double ProcessorSeconds() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
 
 class Mutator {
  public:
-  explicit Mutator(std::vector<std::string> seeds) : seeds_(std::move(seeds)) {}
+  Mutator(std::vector<std::string> seeds, std::uint64_t seed)
+      : seeds_(std::move(seeds)), random_(seed) {}
 
   std::string Next() {
     std::string input = seeds_[Below(seeds_.size())];
@@ -196,7 +211,7 @@ class Mutator {
   }
 
   std::vector<std::string> seeds_;
-  std::mt19937_64 random_{1};
+  std::mt19937_64 random_;
 };
 
 double PeakMemoryMb() {
@@ -205,18 +220,20 @@ double PeakMemoryMb() {
   return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
-int Explore(double seconds, double memory_mb) {
+int Explore(double seconds, double memory_mb, std::uint64_t seed) {
   const auto end = Clock::now() + std::chrono::duration<double>(seconds);
   std::uint64_t inputs = 0;
   const fs::path last = Scratch() / "last_input";
-  Mutator mutator(Seeds());
+  Mutator mutator(Seeds(), seed);
+  double slowest = 0;
   for (const std::string& seed : Seeds()) {
     RunOne(seed);  // nothing is wrong with these
   }
   for (; Clock::now() < end; ++inputs) {
     const std::string input = mutator.Next();
     Write("last_input", input);
-    ::alarm(kHangs);
+    LimitTime(kComputesS, kWaitsS);
+    const double begin = ProcessorSeconds();
     try {
       RunGuarded(input);
     } catch (const std::exception& e) {
@@ -226,9 +243,10 @@ int Explore(double seconds, double memory_mb) {
       std::cerr << "fault: " << e.what() << "; the input is " << kept.string() << "\n";
       return 1;
     }
-    ::alarm(0);
+    LimitTime(0, 0);
+    slowest = std::max(slowest, ProcessorSeconds() - begin);
   }
-  std::cout << inputs << " inputs, " << PeakMemoryMb() << " MB\n";
+  std::cout << inputs << " inputs, the slowest " << slowest << " s, " << PeakMemoryMb() << " MB\n";
   return PeakMemoryMb() > memory_mb ? 1 : 0;
 }
 
@@ -239,6 +257,7 @@ int main(int argc, char** argv) {
   namespace fuzz = deja_view::fuzz;
   double seconds = 2;
   double memory_mb = 1000;
+  std::uint64_t seed = 1;
   const std::vector<std::string> arguments(argv + 1, argv + argc);
   bool has_files = false;
   for (std::size_t i = 0; i < arguments.size(); ++i) {
@@ -247,6 +266,8 @@ int main(int argc, char** argv) {
       seconds = std::stod(arguments[++i]);
     } else if (arguments[i] == "--memory-mb" && has_value) {
       memory_mb = std::stod(arguments[++i]);
+    } else if (arguments[i] == "--seed" && has_value) {
+      seed = std::stoull(arguments[++i]);
     } else if (arguments[i] == "--seeds" && has_value) {
       fuzz::WriteSeeds(arguments[++i]);
       return 0;
@@ -255,6 +276,6 @@ int main(int argc, char** argv) {
       has_files = true;
     }
   }
-  return has_files ? 0 : fuzz::Explore(seconds, memory_mb);
+  return has_files ? 0 : fuzz::Explore(seconds, memory_mb, seed);
 }
 #endif

@@ -14,15 +14,17 @@ import unittest
 TOOL = sys.argv[1]
 SCRIPT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scripts", "check_loops")
 
-# Writes down each call; while the file "kill" is beside it, its first replay takes check_loops with it.
+# Writes down each call; while the file "kill" is beside it, the first replay that should save a map leaves an empty
+# folder and takes check_loops with it.
 WRAPPER = """#!/usr/bin/python3
 import os, signal, sys
 here = os.path.dirname(os.path.abspath(__file__))
 with open(os.path.join(here, "calls"), "a", encoding="utf-8") as file:
     file.write(" ".join(sys.argv[1:]) + "\\n")
 kill = os.path.join(here, "kill")
-if sys.argv[1] == "replay" and os.path.exists(kill):
+if "--save-map" in sys.argv and os.path.exists(kill):
     os.remove(kill)
+    os.makedirs(sys.argv[sys.argv.index("--save-map") + 1])
     os.kill(os.getppid(), signal.SIGKILL)
     sys.exit(1)
 os.execv({tool!r}, [{tool!r}] + sys.argv[1:])
@@ -68,12 +70,12 @@ class CheckLoopsTest(unittest.TestCase):
         with open(self.path("kill"), "w", encoding="ascii"):
             pass
         code, text, calls = self.check("out", "alone,other")
-        self.assertEqual((code, calls), (-9, ["simulate", "replay"]), text)
+        self.assertEqual((code, calls), (-9, ["simulate", "replay", "simulate", "replay"]), text)
 
         report = self.path("report.json")
         code, text, calls = self.check("out", "alone,other", "--json", report)
         self.assertEqual(code, 0, text)
-        self.assertEqual(calls, ["replay", "simulate", "replay", "replay"])  # the first flight was there
+        self.assertEqual(calls, ["replay", "replay"])  # the flights were there, and what the first gave
         self.assertRegex(text, r"2 flights, \d+ loops, 0 wrong")
         with open(report, encoding="ascii") as file:
             figures = json.load(file)

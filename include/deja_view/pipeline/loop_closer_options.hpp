@@ -22,6 +22,8 @@ struct CandidateOptions {
   int members_per_island = 2;  ///< best members of an island that are verified
   int max_verified = 8;        ///< candidates verified per keyframe at most
   int max_loops = 3;           ///< a keyframe that has so many loops is not verified further
+  /// Nor is one whose loop is with a place that had so many before, and is no surprise. 0: it is.
+  int known_loops = 80;
   // Where the corrected trajectory says that the drone has been.
   int nearby = 3;                  ///< keyframes near the corrected pose that are tried, 0: none
   double nearby_distance_m = 3.0;  ///< [m]
@@ -36,6 +38,7 @@ struct CandidateOptions {
     v("members_per_island", members_per_island);
     v("max_verified", max_verified);
     v("max_loops", max_loops);
+    v("known_loops", known_loops);
     v("nearby", nearby);
     v("nearby_distance_m", nearby_distance_m);
     v("nearby_angle_deg", nearby_angle_deg);

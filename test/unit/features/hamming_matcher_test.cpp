@@ -1,5 +1,6 @@
 #include "deja_view/features/hamming_matcher.hpp"
 
+#include <bitset>
 #include <random>
 
 #include "hamming_kernel.hpp"
@@ -18,6 +19,22 @@ std::vector<Descriptor> RandomDescriptors(std::size_t count, bool few_bits, std:
     }
   }
   return descriptors;
+}
+
+TEST(HammingDistance, CountsBits) {
+  std::mt19937_64 rng(1);
+  std::vector<Descriptor> descriptors = RandomDescriptors(100, false, &rng);
+  descriptors.push_back({});
+  descriptors.push_back({{~0ULL, ~0ULL, ~0ULL, ~0ULL}});
+  for (const Descriptor& a : descriptors) {
+    for (const Descriptor& b : descriptors) {
+      std::size_t expected = 0;
+      for (std::size_t i = 0; i < a.words.size(); ++i) {
+        expected += std::bitset<64>(a.words[i] ^ b.words[i]).count();
+      }
+      EXPECT_EQ(HammingDistance(a, b), static_cast<int>(expected));
+    }
+  }
 }
 
 void ExpectAgreement() {

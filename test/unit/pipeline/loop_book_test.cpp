@@ -146,6 +146,28 @@ TEST(LoopBook, AWithdrawnLoopIsGone) {
   EXPECT_FALSE(book.Refine({5, 5 + kPerRound, Loop(5).T_Bold_Bcurrent}, &graph));
 }
 
+TEST(LoopBook, CountsThePlacesLoops) {
+  PoseGraph graph = MakeGraph();
+  LoopBook book({});
+  const auto again = [&](int i, int later) {
+    LoopReport loop = Loop(i);
+    loop.current += later;
+    loop.T_Bold_Bcurrent = Truth(i).Inverse() * Truth(loop.current);
+    return loop;
+  };
+  book.Enter(Loop(3), &graph);
+  book.Enter(Loop(5), &graph);
+  EXPECT_EQ(book.CountOf(5), 0) << "it waits";
+  book.Enter(Loop(7), &graph);
+  book.Enter(again(5, 1), &graph);
+  EXPECT_EQ(book.CountOf(5), 2);
+  EXPECT_EQ(book.CountOf(3), 1);
+  EXPECT_EQ(book.CountOf(4), 0);
+  graph.RemoveLoop(book[1].edge);
+  book.Withdraw({book[1].edge});
+  EXPECT_EQ(book.CountOf(5), 1);
+}
+
 TEST(LoopBook, KeepsWhatIsOfUse) {
   PoseGraph graph = MakeGraph();
   LoopConsistencyOptions options;

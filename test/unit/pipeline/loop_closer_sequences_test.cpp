@@ -1,5 +1,7 @@
 #include "deja_view/pipeline/loop_closer.hpp"
 
+#include <algorithm>
+
 #include "small_flight.hpp"
 #include <gtest/gtest.h>
 
@@ -45,6 +47,34 @@ TEST(LoopCloser, ASequenceThatStartsAnewIsJoinedByLoops) {
   const Rigid3 truth = flight.T_W_B.front().Inverse() * flight.T_W_B.back();
   EXPECT_LT((closer.keyframe(0).T_M_B.Inverse() * last.T_M_B * truth.Inverse()).t.norm(), 0.5);
   EXPECT_LT((closer.drift() * last.T_W_B.t - last.T_M_B.t).norm(), 1e-9);
+}
+
+TEST(LoopCloser, OwnPlacesDontHideAMapThatIsNotJoined) {
+  const sim::RecordedFlight& flight = SmallFlight(1);
+  LoopCloserOptions options = test::FlightOptions();
+  options.candidates.max_loops = 1;
+  options.consistency.min_support_join = 1000;  // the two worlds stay apart
+  LoopCloser closer = MakeCloser(1, options);
+  for (const KeyframeInput& keyframe : flight.keyframes) {
+    closer.AddKeyframe(keyframe);
+  }
+  int with_own_loop = 0;
+  int with_map = 0;
+  const int map_size = closer.keyframe_count();
+  for (KeyframeInput keyframe : flight.keyframes) {
+    keyframe = InAnotherWorld(keyframe);
+    keyframe.starts_sequence = closer.keyframe_count() == map_size;
+    const KeyframeReport report = closer.AddKeyframe(keyframe);
+    if (report.reason == RejectReason::kNone) {
+      ++with_own_loop;
+      with_map += std::any_of(report.loops.begin(), report.loops.end(), [&](const auto& loop) {
+        return loop.old < map_size;
+      });
+    }
+  }
+  EXPECT_FALSE(closer.is_joined(1));
+  EXPECT_GT(with_own_loop, 5);
+  EXPECT_EQ(with_map, with_own_loop);
 }
 
 TEST(LoopCloser, ANewSequenceForgetsTheTracksOfTheOneBefore) {

@@ -56,6 +56,27 @@ TEST(LoopCloser, FindsLoopsAndAllAreRight) {
   }
 }
 
+TEST(LoopCloser, APlaceThatIsKnownWellIsNotVerifiedTwice) {
+  LoopCloserOptions options = FlightOptions();
+  options.map_spacing_m = 1.0;
+  const auto count = [](const Outcome& outcome) {
+    int localised = 0;
+    std::size_t verified = 0;
+    for (const KeyframeReport& report : outcome.reports) {
+      localised += report.reason == RejectReason::kNone ? 1 : 0;
+      verified += report.loops.size();
+    }
+    return std::make_pair(localised, verified);
+  };
+  options.candidates.known_loops = 0;
+  const auto [localised, verified] = count(Fly(options));
+  options.candidates.known_loops = 1;
+  const auto [localised_known, verified_known] = count(Fly(options));
+  EXPECT_GT(localised, 10);
+  EXPECT_GE(localised_known, localised - 1);
+  EXPECT_LT(verified_known, verified);
+}
+
 TEST(LoopCloser, LoopsTakeTheDriftAway) {
   const sim::RecordedFlight& flight = SmallFlight(1);
   std::vector<Eigen::Vector3d> truth;
