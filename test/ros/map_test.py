@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""map_test.py TOOL FLIGHT: what `deja_view map` makes of the simulated flight in the directory FLIGHT, and what of it is
-made again."""
+"""map_test.py TOOL FLIGHT SECOND: what `deja_view map` makes of the simulated flight in the directory FLIGHT, what of it
+is made again, and what another flight of the same hall, in SECOND, adds to it."""
 
 import json
 import os
@@ -13,8 +13,9 @@ import time
 import unittest
 
 import rosbag
+from colmap_model import write_model
 
-TOOL, FLIGHT = sys.argv[1:3]
+TOOL, FLIGHT, SECOND = sys.argv[1:4]
 BAG, CAMERA = os.path.join(FLIGHT, "flight.bag"), os.path.join(FLIGHT, "camera.yaml")
 STAGES = ["bundle", "field", "field_quality", "loops", "views", "map", "gain"]
 
@@ -128,6 +129,93 @@ class MapTest(unittest.TestCase):
         self.assertGreater(len(shifts), 50)
         self.assertGreater(max(shifts), 0.5)
         self.assertGreater(figures["map"]["places"], 0)
+
+    def beside(self, name):
+        return os.path.join(os.path.dirname(self.out), name)
+
+    def test_maps_images_with_given_poses(self):
+        """Of a bag of nothing but images, from poses that drift away from where it really was."""
+        self.bag, poses = self.beside("images.bag"), self.beside("poses.txt")
+        stamps = []
+        with rosbag.Bag(BAG) as bag, rosbag.Bag(self.bag, "w") as out:
+            begin, end = bag.get_start_time(), bag.get_end_time()
+            for topic, message, when in bag.read_messages("/cam0/image_raw"):
+                out.write(topic, message, when)
+                stamps.append(message.header.stamp.to_nsec())
+        with open(os.path.join(FLIGHT, "groundtruth.txt"), encoding="utf-8") as truth, open(poses, "w", encoding="utf-8") as out:
+            for line in truth:
+                stamp, x, rest = line.split(" ", 2)
+                if stamp != "#":
+                    out.write(f"{stamp} {float(x) + 0.6 * (float(stamp) - begin) / (end - begin)} {rest}")
+        self.assertRegex(self.map(code=1).stderr, "bundle: .*keyframe_pose")
+        figures = json.loads(self.map("--poses", poses).stdout)
+        self.assertGreater(figures["bundle"]["images"], 50)
+        self.assertEqual(figures["views"]["sources"], figures["loops"]["places"])
+        adjusted = os.path.join(self.out, "bundle", "poses.txt")
+        self.assertLess(self.error(adjusted), 0.5 * self.error(poses))
+
+        with open(poses, "a", encoding="utf-8") as file:
+            file.write("1700000000 0 0 0 0 0 0 1\n")
+        again = self.map("--poses", poses)
+        self.assertEqual(self.stages(again.stderr, "begins"), STAGES)
+
+        colmap = write_model(FLIGHT, self.beside("colmap"), stamps, 0.37)
+        self.assertRegex(self.map("--poses", colmap, code=1).stderr, "neither scale nor level.*keyframe_pose")
+        self.bag = BAG
+        metric = json.loads(self.map("--poses", colmap).stdout)
+        self.assertGreater(metric["map"]["places"], 0)
+        self.assertLess(self.error(adjusted), 0.1)
+
+    def test_adds_a_flight(self):
+        """Both were flown in one hall, each in the world of an odometry of its own."""
+        first, place = json.loads(self.map().stdout), self.out
+        with open(os.path.join(place, "map.dvm"), "rb") as file:
+            before = file.read()
+        add = ["--add", place]
+        self.bag, self.out = os.path.join(SECOND, "flight.bag"), self.beside("both")
+        refused = self.map(*add, "--set", "verification.min_ransac_inliers=9999", code=1)
+        self.assertRegex(refused.stderr, "loops: .*0 keyframes found one of its places, expected at least 10")
+
+        added = self.map(*add)
+        figures = json.loads(added.stdout)
+        self.assertEqual(self.stages(added.stderr, "begins"), [stage for stage in STAGES if stage != "bundle"])
+        self.assertLess(figures["loops"]["join"]["rmse_m"], 0.1)
+        self.assertGreater(figures["map"]["places"], first["map"]["places"])
+        self.assertGreaterEqual(figures["map"]["views"], first["map"]["views"])
+        self.assertEqual(figures["views"]["sources"], figures["map"]["places"] - first["map"]["places"])
+        self.assertEqual(len(figures["field_quality"]["others"]), 1)
+        self.assertGreater(figures["field_quality"]["before"]["views"], 0)
+        self.assertGreater(figures["field"]["images"], 1.5 * first["field"]["images"])
+        self.check_frame(figures)
+        with open(os.path.join(place, "map.dvm"), "rb") as file:
+            self.assertEqual(file.read(), before)
+
+        self.assertRegex(self.map("--add", self.out, code=1).stderr, "--out .*expected another directory")
+        with open(os.path.join(place, "map.json"), "w", encoding="utf-8") as file:
+            json.dump({"flights": [{**figures["flights"][0], "bag": "/none.bag"}]}, file)
+        self.assertRegex(self.map(*add, code=1).stderr, "map.json: /none.bag: no such file")
+
+    def check_frame(self, figures):
+        """The poses of both flights against the truth of both, the second one's after the first one's."""
+        shift = 1000
+        paths = [os.path.join(self.out, flight["poses"]) for flight in figures["flights"]]
+        files = {"estimate.txt": paths, "truth.txt": [os.path.join(flight, "groundtruth.txt") for flight in (FLIGHT, SECOND)]}
+        for name, sources in files.items():
+            with open(self.beside(name), "w", encoding="utf-8") as out:
+                for number, source in enumerate(sources):
+                    with open(source, encoding="utf-8") as file:
+                        for line in file:
+                            stamp, rest = line.split(" ", 1)
+                            if stamp != "#":
+                                out.write(f"{int(stamp[:10]) + shift * number}{stamp[10:]} {rest}")
+        self.assertLess(self.error(self.beside("estimate.txt"), self.beside("truth.txt")), 0.1)
+
+    def error(self, poses, truth=os.path.join(FLIGHT, "groundtruth.txt")):
+        """RMSE of positions [m]."""
+        figures = self.beside("ape.json")
+        subprocess.run([TOOL, "ape", truth, poses, "--align", "yaw", "--json", figures], check=True, stdout=subprocess.DEVNULL)
+        with open(figures, encoding="utf-8") as file:
+            return json.load(file)["rmse"]
 
     def test_goes_on_after_an_interrupt(self):
         record = os.path.join(self.out, "stages.json")

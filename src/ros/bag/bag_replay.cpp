@@ -6,6 +6,7 @@
 #include "deja_view/ros/bag/view_bag.hpp"
 #include "deja_view/ros/messages/virtual_frame_conversion.hpp"
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <utility>
@@ -19,9 +20,11 @@ class Replay {
   Replay(const VioTopics& topics,
          const KeyframeAssemblerOptions& options,
          const ReplayCallbacks& callbacks,
-         const std::optional<FrontEndSetup>& front_end)
+         const std::optional<FrontEndSetup>& front_end,
+         const Trajectory& T_W_B)
       : topics_(topics),
         callbacks_(callbacks),
+        T_W_B_(T_W_B),
         assembler_(
             options,
             [this](const AssembledKeyframe& keyframe) { HandOver(keyframe); },
@@ -58,6 +61,9 @@ class Replay {
       }
     });
     if (front_end_) {
+      if (last_image_ns_) {
+        AddPosesUntil(*last_image_ns_);
+      }
       front_end_->Flush();
       report_.front_end = front_end_->counts();
     }
@@ -71,9 +77,9 @@ class Replay {
 
   void AddHandlers(const BagReader& bag, const BagReader& views) {
     AddImageHandler(bag);
-    if (front_end_) {
+    if (front_end_ && T_W_B_.empty()) {
       AddPoseHandler(bag);
-    } else {
+    } else if (!front_end_) {
       AddHostHandlers(bag);
     }
     if (callbacks_.on_virtual_view && views.HasTopic(topics_.virtual_frame)) {
@@ -96,15 +102,35 @@ class Replay {
     odometry_.emplace(bag, topics_.odometry);
     for (const std::string& name : odometry_->names()) {
       handlers_[name] = [this](const rosbag::MessageInstance& instance) {
-        const auto pose = odometry_->Read(instance);
-        if (pose) {
-          front_end_->AddPose(pose->stamp_ns, pose->pose);
-        }
-        if (pose && callbacks_.on_odometry) {
-          callbacks_.on_odometry(*pose);
+        if (const auto pose = odometry_->Read(instance)) {
+          AddPose(*pose);
         }
       };
     }
+  }
+
+  void AddPose(const StampedPose& pose) {
+    front_end_->AddPose(pose.stamp_ns, pose.pose);
+    if (callbacks_.on_odometry) {
+      callbacks_.on_odometry(pose);
+    }
+  }
+
+  /// Of the given ones, with the first after it.
+  void AddPosesUntil(std::int64_t stamp_ns) {
+    while (poses_added_ < T_W_B_.size() &&
+           (poses_added_ == 0 || T_W_B_.stamps_ns[poses_added_ - 1] < stamp_ns)) {
+      AddPose({T_W_B_.stamps_ns[poses_added_], T_W_B_.poses[poses_added_]});
+      ++poses_added_;
+    }
+  }
+
+  /// Poses up to the image before, or to this one if that had a stray stamp that lies ahead.
+  void AddPosesFor(std::int64_t stamp_ns) {
+    if (last_image_ns_) {
+      AddPosesUntil(std::min(*last_image_ns_, stamp_ns));
+    }
+    last_image_ns_ = stamp_ns;
   }
 
   void AddHostHandlers(const BagReader& bag) {
@@ -143,6 +169,7 @@ class Replay {
       assembler_.AddImage(image.stamp_ns, image.source, image.bytes);
       if (front_end_) {
         front_end_->AddImage(image.stamp_ns, image.source, image.bytes);
+        AddPosesFor(image.stamp_ns);
       }
     };
   }
@@ -204,6 +231,9 @@ class Replay {
 
   const VioTopics& topics_;
   const ReplayCallbacks& callbacks_;
+  const Trajectory& T_W_B_;  // given ones; empty: the topic's
+  std::size_t poses_added_ = 0;
+  std::optional<std::int64_t> last_image_ns_;
   ReplayReport report_;
   std::optional<Rigid3> T_B_C_;
   std::map<std::string, Handler> handlers_;
@@ -232,7 +262,8 @@ ReplayReport ReplayBag(const std::filesystem::path& bag,
                        const VioTopics& topics,
                        const KeyframeAssemblerOptions& options,
                        const ReplayCallbacks& callbacks,
-                       const std::optional<FrontEndSetup>& front_end) {
+                       const std::optional<FrontEndSetup>& front_end,
+                       const Trajectory& T_W_B) {
   DEJA_VIEW_CHECK(callbacks.on_keyframe);
   const BagReader reader(bag);
   std::optional<BagReader> views;
@@ -243,7 +274,7 @@ ReplayReport ReplayBag(const std::filesystem::path& bag,
       views.reset();
     }
   }
-  Replay replay(topics, options, callbacks, front_end);
+  Replay replay(topics, options, callbacks, front_end, T_W_B);
   replay.AddHandlers(reader, views ? *views : reader);
   return replay.Run(reader, views ? &*views : nullptr);
 }

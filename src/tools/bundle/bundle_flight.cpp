@@ -81,7 +81,8 @@ class FlightReader {
               request_.host.Topics(vins_, request_.input.camera),
               {},
               callbacks,
-              request_.host.FrontEnd(vins_, {}));
+              request_.host.FrontEnd(vins_, {}),
+              request_.host.Poses(vins_, request_.input.bag));
   }
 
   BundleInput input;

@@ -16,13 +16,16 @@ void AddMapCommand(CLI::App& app, Command* command) {
   auto json_file = std::make_shared<std::string>();
   CLI::App* sub = app.add_subcommand(
       "map", "Make a map that also recognises the place from where the flight has not been");
-  sub->add_option("--bag", request->bag, "Bag with images and VINS-Mono's keyframes")
+  sub->add_option("--bag", request->bag, "Bag with images, and keyframes or poses of an odometry")
       ->required()
       ->check(CLI::ExistingFile);
   sub->add_option("--camera", request->camera, "Camera YAML of an odometry")
       ->required()
       ->check(CLI::ExistingFile);
   AddHostOptions(sub, &request->host);
+  AddHostPosesOptions(sub, &request->host);
+  sub->add_option("--add", request->add, "Directory of a map of the place that is to know more")
+      ->check(CLI::ExistingDirectory);
   sub->add_option("--out", request->out, "Directory for map.dvm, field.dvn and what they rest on")
       ->required();
   sub->add_option(
@@ -43,7 +46,8 @@ void AddMapCommand(CLI::App& app, Command* command) {
   AddQuietOption(sub, &request->show_progress);
   sub->footer(
       "Run again after Ctrl-C, it goes on where it was.\n"
-      "Example:\n  deja_view map --bag hall.bag --camera euroc.yaml --out hall_map");
+      "Example:\n  deja_view map --bag hall.bag --camera euroc.yaml --out hall_map\n"
+      "  deja_view map --bag again.bag --camera euroc.yaml --add hall_map --out hall_map_2");
   sub->callback([=] {
     *command = [=] {
       try {

@@ -21,6 +21,8 @@ struct MapRequest {
   std::vector<std::string> overrides;       ///< of the loop closer, "group.key=value"
   int threads = 0;
   bool show_progress = true;
+  std::filesystem::path
+      add;  ///< a map of the place, to be joined; empty: a map of this flight alone
   std::filesystem::path out;
   std::filesystem::path bag_out;  ///< the flight with its views as messages, instead of views.bag
 };
@@ -32,8 +34,15 @@ struct MapRequest {
 /// What the views are worth is tried on the flight itself: its second half on a map of the first.
 /// Each stage is kept with a hash of what it was made from and is not run again while that is the
 /// same; a training that was interrupted goes on. Returns `bundle, field, field_quality, loops,
-/// views, map, gain, cpu_s, wall_s, peak_rss_mb`, the stages' figures. Throws InputError, naming
-/// the stage, and Interrupted.
+/// views, map, gain, cpu_s, wall_s, peak_rss_mb`, the stages' figures, and `flights`, what the map
+/// is made of. Throws InputError, naming the stage, and Interrupted.
+///
+/// With `add` the flight is joined to a map of before, whose flights' bags must still be there: its
+/// loops with that map's places tell where it was (`loops.join`: how well they agree; a flight that
+/// finds too few, or whose loops contradict each other, is refused), the field goes on from that
+/// map's with the images of all flights, and map.dvm holds their places and views. `field_quality`
+/// then also has `before`, the same images rendered by the field as it was, and `others`, the
+/// images of the flights before.
 nlohmann::ordered_json RunMap(const MapRequest& request);
 
 }  // namespace deja_view

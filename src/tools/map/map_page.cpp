@@ -63,6 +63,11 @@ std::string Table(const Json& map) {
               ? fmt::format("of a neighbouring photograph's: {:.0f} %",
                             100 * Number(quality, "corner_match_ceiling"))
               : "");
+  if (quality.contains("before")) {
+    html += Row("the same by the field as it was",
+                fmt::format("{:.1f} dB", Number(quality["before"], "psnr_db")),
+                "of the map that was added to");
+  }
   html += Row("places", count(with, "places"), "");
   html += Row("virtual views kept", count(with, "views"), "");
   html += Row("loops of the flight, without views", count(without, "loops"), "");
@@ -123,6 +128,12 @@ std::vector<std::string> MapAdvice(const Json& map) {
         "The points miss their pixels by {:.1f} px: check the camera's calibration, and that its "
         "stamps are those of the images.",
         Number(map["bundle"], "median_px")));
+  }
+  if (Number(map["field"], "images_outside") > 0.1 * Number(map["field"], "images")) {
+    advice.push_back(fmt::format(
+        "{:.0f} images are outside of the box that the field was made for, and taught it nothing: "
+        "map both flights anew, the wider one first.",
+        Number(map["field"], "images_outside")));
   }
   if (Number(map["loops"], "loops") == 0) {
     advice.emplace_back(

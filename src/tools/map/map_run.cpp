@@ -1,19 +1,24 @@
 #include "deja_view/base/atomic_file.hpp"
 #include "deja_view/base/check.hpp"
 #include "deja_view/base/hash.hpp"
+#include "deja_view/io/tum.hpp"
 
 #include <algorithm>
-#include <fstream>
 #include <functional>
-#include <iostream>
 #include <set>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "bundle/bundle_command.hpp"
 #include "common/interrupt.hpp"
+#include "common/pose_input.hpp"
 #include "common/tool_figures.hpp"
 #include "map/map_command.hpp"
+#include "map/map_flights.hpp"
+#include "map/map_input.hpp"
 #include "map/map_page.hpp"
+#include "map/map_stages.hpp"
 #include "nerf/nerf_command.hpp"
 #include "replay/replay.hpp"
 #include "views/views_command.hpp"
@@ -25,87 +30,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Of what the stages' figures are; another number where they change, so that none made before is
-/// taken for one of today's.
-constexpr int kFigures = 2;
-
-/// Finished stages with what they were made from, in `stages.json`.
-class Stages {
- public:
-  Stages(const MapRequest& request, std::uint64_t input)
-      : path_(request.out / "stages.json"), is_shown_(request.show_progress), key_(input) {
-    std::ifstream file(path_);
-    if (file) {
-      finished_ = Json::parse(file, nullptr, false);
-    }
-    if (!finished_.is_object()) {
-      finished_ = Json::object();
-    }
-  }
-
-  /// Runs `make`, or takes what it gave before if the settings and all stages before are the same
-  /// and `product` is there.
-  Json Run(const std::string& name,
-           const std::string& settings,
-           const std::filesystem::path& product,
-           const std::function<Json()>& make) {
-    key_ = Hash64(fmt::format("{:016x}\n{}\n{}", key_, name, settings));
-    const std::string key = fmt::format("{:016x}", key_);
-    const auto before = finished_.find(name);
-    if (before != finished_.end() && before->value("made_from", "") == key &&
-        before->contains("figures") && std::filesystem::exists(product)) {
-      Tell(name, "as it was");
-      return (*before)["figures"];
-    }
-    Tell(name, "begins");
-    is_begun_ = before != finished_.end() && before->value("made_from", "") == key;
-    Forget(name);
-    finished_[name] = {{"made_from", key}};
-    Write();
-    Json figures = Make(name, make);
-    finished_[name]["figures"] = figures;
-    Write();
-    return figures;
-  }
-
-  /// Whether the running stage was begun before, with the same settings.
-  bool is_begun() const { return is_begun_; }
-
- private:
-  /// The stage and those after it, which were made of what it gave.
-  void Forget(const std::string& name) {
-    Json before = Json::object();
-    for (const auto& stage : finished_.items()) {
-      if (stage.key() == name) {
-        break;
-      }
-      before[stage.key()] = stage.value();
-    }
-    finished_ = std::move(before);
-  }
-
-  static Json Make(const std::string& name, const std::function<Json()>& make) {
-    try {
-      return make();
-    } catch (const InputError& e) {
-      ThrowInputError("{}: {}", name, e.what());
-    }
-  }
-  void Tell(const std::string& name, const std::string& what) const {
-    if (is_shown_) {
-      std::cerr << fmt::format("{}: {}\n", name, what);
-    }
-  }
-  void Write() const {
-    WriteFileAtomically(path_, [&](std::ostream& out) { out << finished_.dump(2) << "\n"; });
-  }
-
-  std::filesystem::path path_;
-  bool is_shown_;
-  std::uint64_t key_;
-  Json finished_ = Json::object();
-  bool is_begun_ = false;
-};
+std::vector<MappedFlight> ReadMapped(const MapRequest& request) {
+  return request.add.empty() ? std::vector<MappedFlight>() : ReadMappedFlights(request.add);
+}
 
 /// One map in the making.
 class MapMaker {
@@ -113,23 +40,24 @@ class MapMaker {
   explicit MapMaker(const MapRequest& request)
       : request_(request),
         start_(Clock::now()),
-        stages_(request,
-                Hash64(fmt::format("{} {} {} {} {}",
-                                   kFigures,
-                                   Hash64OfFile(request.bag),
-                                   Hash64OfFile(request.camera),
-                                   EnumToString(request.host.host),
-                                   request.host.odometry_topic))) {}
+        mapped_(ReadMapped(request)),
+        stages_(request.out, HashOfMapInput(request), request.show_progress) {}
 
   Json Make() {
     Json json;
     json["bundle"] = Adjust();
     images_ = json["bundle"]["images"].get<int>();
+    if (is_added()) {
+      json["loops"] = Join();
+      interrupt_.Check();
+    }
     json["field"] = Train();
     json["field_quality"] = Evaluate();
     interrupt_.Check();
-    json["loops"] = CloseLoops();
-    interrupt_.Check();
+    if (!is_added()) {
+      json["loops"] = CloseLoops();
+      interrupt_.Check();
+    }
     json["views"] = Render();
     json["map"] = Save();
     interrupt_.Check();
@@ -137,6 +65,7 @@ class MapMaker {
     json["cpu_s"] = CpuSeconds();
     json["wall_s"] = SecondsSince(start_);
     json["peak_rss_mb"] = PeakRssMb();
+    json["flights"] = Flights();
     json["advice"] = MapAdvice(json);
     WriteFileAtomically(request_.out / "map.json",
                         [&](std::ostream& out) { out << json.dump(2) << "\n"; });
@@ -150,6 +79,7 @@ class MapMaker {
     replay.host = request_.host;
     replay.bag = request_.bag;
     replay.camera = request_.camera;
+    replay.load_map = request_.add;
     replay.overrides = request_.overrides;
     replay.show_progress = request_.show_progress;
     return replay;
@@ -164,9 +94,10 @@ class MapMaker {
         found.insert(loop.current);
       }
     }
-    const std::int64_t first_ns = result.keyframes.front().stamp_ns;
+    const auto known = static_cast<std::size_t>(result.map_keyframes);
+    const std::int64_t first_ns = result.keyframes[known].stamp_ns;
     const std::int64_t last_ns = result.keyframes.back().stamp_ns;
-    return {{"keyframes", result.keyframes.size()},
+    return {{"keyframes", result.keyframes.size() - known},
             {"duration_s", 1e-9 * static_cast<double>(last_ns - first_ns)},
             {"places", result.places},
             {"loops", accepted},
@@ -175,7 +106,10 @@ class MapMaker {
             {"core_memory_mb", result.core_memory_mb}};
   }
 
+  bool is_added() const { return !request_.add.empty(); }
   std::filesystem::path path(const std::string& name) const { return request_.out / name; }
+  /// Of the flight in its own odometry's world.
+  std::string AdjustedFolder() const { return is_added() ? "adjusted" : "bundle"; }
 
   /// With features alone, unless the flight with its views was asked for.
   std::filesystem::path ViewsBag() const {
@@ -192,19 +126,62 @@ class MapMaker {
     });
   }
 
+  /// Finds the map's places, and brings the adjusted poses to the field's frame by them.
+  Json Join() {
+    const std::string settings = fmt::format("{}", fmt::join(request_.overrides, "\n"));
+    return stages_.Run("loops", settings, path("bundle/poses.txt"), [&] {
+      ReplayRequest replay = Replay();
+      replay.out = path("flight");
+      const ReplayResult result = RunReplay(replay);
+      WriteTum(path("flight/places.txt"), OwnPlaces(result));
+      const std::string what =
+          fmt::format("{}, against {}", request_.bag.string(), request_.add.string());
+      const JoinedFlight joined =
+          JoinFlight(result, mapped_, ReadTum(path("adjusted/poses.txt")), what);
+      WriteTum(path("bundle/poses.txt"), joined.T_F_B);
+      Json figures = Figures(result);
+      figures["join"] = ToJson(joined.fit);
+      return figures;
+    });
+  }
+
+  static Trajectory OwnPlaces(const ReplayResult& result) {
+    Trajectory places;
+    for (const KeyframeInfo& keyframe : result.keyframes) {
+      if (keyframe.index >= result.map_keyframes && keyframe.is_place) {
+        places.stamps_ns.push_back(keyframe.stamp_ns);
+        places.poses.push_back(keyframe.T_M_B);
+      }
+    }
+    return places;
+  }
+
+  /// What the map is made of, with the poses of flights before beside its own.
+  Json Flights() const {
+    Json flights = Json::array();
+    for (MappedFlight flight : mapped_) {
+      const auto poses = path(fmt::format("flights/{}.txt", flights.size()));
+      WriteTum(poses, ReadTum(flight.poses));
+      flight.poses = poses;
+      flights.push_back(ToJson(flight, request_.out));
+    }
+    flights.push_back(ToJson(Flight(), request_.out));
+    return flights;
+  }
+
   Json Adjust() {
-    return stages_.Run("bundle", "", path("bundle/poses.txt"), [&] {
+    return stages_.Run("bundle", "", path(AdjustedFolder() + "/poses.txt"), [&] {
       BundleRequest bundle;
       bundle.host = request_.host;
       bundle.input.bag = request_.bag;
       bundle.input.camera = request_.camera;
-      bundle.out = path("bundle");
+      bundle.out = path(AdjustedFolder());
       bundle.show_progress = request_.show_progress;
       const Json figures = RunBundle(bundle);
       if (figures.value("interrupted", false)) {
         throw Interrupted();
       }
-      if (!std::filesystem::exists(path("bundle/poses.txt"))) {
+      if (!std::filesystem::exists(bundle.out / "poses.txt")) {
         ThrowInputError("{}: stamps that go back: a map is made of one flight",
                         request_.bag.string());
       }
@@ -216,16 +193,13 @@ class MapMaker {
     });
   }
 
-  /// The images that were adjusted; of a long flight some 300, which show a hall often enough.
-  NerfInput FieldInput() const {
+  /// Of the images that were adjusted the field takes some 300, which show a hall often enough.
+  MappedFlight Flight() const {
     constexpr int kImages = 300;
-    NerfInput input;
-    input.bag = request_.bag;
-    input.camera = request_.camera;
-    input.poses = path("bundle/poses.txt");
-    input.skip_missing = true;
-    input.every = std::max(1, (images_ + kImages / 2) / kImages);
-    return input;
+    return {request_.bag,
+            request_.camera,
+            path("bundle/poses.txt"),
+            std::max(1, (images_ + kImages / 2) / kImages)};
   }
 
   Json Train() {
@@ -235,7 +209,13 @@ class MapMaker {
                                                     : fmt::format("{} s", request_.budget_s);
     return stages_.Run("field", settings, path("field.dvn"), [&] {
       NerfTrainRequest train;
-      train.input = FieldInput();
+      train.input = Flight().Images();
+      for (const MappedFlight& flight : mapped_) {
+        train.more.push_back(flight.Images());
+      }
+      if (is_added()) {
+        train.start_from = request_.add / "field.dvn";
+      }
       train.budget_s = std::max(30.0, kTraining * (request_.budget_s - SecondsSince(start_)));
       train.steps = request_.steps;
       train.threads = request_.threads;
@@ -259,15 +239,29 @@ class MapMaker {
 
   Json Evaluate() {
     return stages_.Run("field_quality", "", path("field.dvn"), [&] {
-      NerfEvalRequest eval;
-      eval.input = FieldInput();
-      eval.model = path("field.dvn");
-      eval.pictures = path("pictures");
-      eval.views = 8;
-      eval.threads = request_.threads;
-      eval.show_progress = request_.show_progress;
-      return RunNerfEval(eval);
+      Json figures = Evaluate(path("field.dvn"), Flight(), path("pictures"));
+      if (is_added()) {
+        figures["before"] = Evaluate(request_.add / "field.dvn", Flight(), {});
+        figures["others"] = Json::array();
+      }
+      for (const MappedFlight& flight : mapped_) {
+        figures["others"].push_back(Evaluate(path("field.dvn"), flight, {}));
+      }
+      return figures;
     });
+  }
+
+  Json Evaluate(const std::filesystem::path& model,
+                const MappedFlight& flight,
+                const std::filesystem::path& pictures) const {
+    NerfEvalRequest eval;
+    eval.input = flight.Images();
+    eval.model = model;
+    eval.pictures = pictures;
+    eval.views = 8;
+    eval.threads = request_.threads;
+    eval.show_progress = request_.show_progress;
+    return RunNerfEval(eval);
   }
 
   Json Render() {
@@ -344,13 +338,19 @@ class MapMaker {
   Interrupt interrupt_;  // before any stage starts threads
   const MapRequest& request_;
   Clock::time_point start_;
-  Stages stages_;
+  std::vector<MappedFlight> mapped_;  ///< of the map that is added to
+  MapStages stages_;
   int images_ = 0;
 };
 
 }  // namespace
 
 Json RunMap(const MapRequest& request) {
+  std::error_code error;
+  if (!request.add.empty() && std::filesystem::equivalent(request.add, request.out, error)) {
+    ThrowInputError("--out {}: expected another directory than that of --add, which is kept",
+                    request.out.string());
+  }
   return MapMaker(request).Make();
 }
 

@@ -114,6 +114,11 @@ void AddTrain(CLI::App* nerf, Command* command) {
       ->capture_default_str();
   sub->add_option("--resume", request->resume, "Go on with a model whose training was cut short")
       ->check(CLI::ExistingFile);
+  sub->add_option("--start-from",
+                  request->start_from,
+                  "A trained model to learn more from: of the same place and frame, given images "
+                  "that it was trained on and new ones")
+      ->check(CLI::ExistingFile);
   sub->add_option("--shard",
                   request->shard,
                   "Cut the scene into n sub-maps by where the cameras are, and train the field of "

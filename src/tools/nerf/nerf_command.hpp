@@ -25,10 +25,12 @@ struct NerfTrainRequest {
   double budget_s = 600;               ///< wall time from the start to the model file
   int steps = 0;                       ///< 0: as many as the budget allows
   int threads = 0;
-  std::string device = "auto";   ///< nerf::ChooseDevice
-  double checkpoint_s = 60;      ///< wall time between models written on the way; 0: none
-  std::filesystem::path resume;  ///< a model to go on with; empty: a new one
-  std::string shard;             ///< sub-map i of n, "i/n"; empty: all in one field
+  std::string device = "auto";       ///< nerf::ChooseDevice
+  double checkpoint_s = 60;          ///< wall time between models written on the way; 0: none
+  std::filesystem::path resume;      ///< a model to go on with; empty: a new one
+  std::filesystem::path start_from;  ///< a trained model to learn more from; empty: a new one
+  std::vector<NerfInput> more;       ///< of the same place, in the same frame; decoded as `input`
+  std::string shard;                 ///< sub-map i of n, "i/n"; empty: all in one field
   std::filesystem::path out;
   bool show_progress = true;
 };
@@ -91,10 +93,11 @@ struct NerfCompareRequest {
 void AddNerfInputOptions(CLI::App* sub, NerfInput* input);
 
 /// Trains a field and writes it; the schedule follows the clock unless `steps` is given, so that
-/// only then two runs give the same model. Ctrl-C leaves the model as it is, for `resume`. Returns
-/// `shard, images, steps, rays, samples, psnr_db (over the last training rays), train_wall_s,
-/// depth_points, rays_per_s, samples_per_s, interrupted, peak_device_mb (0 on the CPU),
-/// peak_rss_mb`. Throws DeviceLostError that tells what is kept where a card is lost.
+/// only then two runs give the same model. Ctrl-C leaves the model as it is, for `resume`. With
+/// `start_from` the images outside of that model's box are left out. Returns `shard, images,
+/// images_outside (with start_from), steps, rays, samples, psnr_db (over the last training rays),
+/// train_wall_s, depth_points, rays_per_s, samples_per_s, interrupted, peak_device_mb (0 on the
+/// CPU), peak_rss_mb`. Throws DeviceLostError that tells what is kept where a card is lost.
 nlohmann::ordered_json RunNerfTrain(const NerfTrainRequest& request);
 
 /// Renders held-out views; returns `psnr_db, ssim, corner_match_rate, corner_match_ceiling, views,

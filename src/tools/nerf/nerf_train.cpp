@@ -8,6 +8,7 @@
 #include "deja_view/nerf/trainer.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <string>
@@ -54,12 +55,45 @@ struct Beginning {
   std::optional<nerf::RadianceField> field;  // to go on with
   SceneCells cells;
   std::vector<nerf::PosedImage> images;
+  std::size_t outside = 0;  // images left out that the field's box does not hold
 };
+
+nerf::Split ReadInputs(const NerfTrainRequest& request) {
+  nerf::Split split = ReadNerfInput(request.input);
+  for (const NerfInput& input : request.more) {
+    std::vector<nerf::PosedImage> images = ReadNerfInput(input).training;
+    std::move(images.begin(), images.end(), std::back_inserter(split.training));
+  }
+  return split;
+}
+
+// A trained field as one whose training is half done: rates as high as they then were, which is
+// enough to learn what it has not seen and not to forget what it has.
+nerf::RadianceField ReadStart(const std::filesystem::path& path) {
+  constexpr float kProgress = 0.5F;
+  nerf::RadianceField field = nerf::ReadField(path);
+  field.progress = kProgress;
+  return field;
+}
+
+std::size_t DropOutside(const nerf::SceneBox& box, std::vector<nerf::PosedImage>* images) {
+  const auto inside = std::remove_if(images->begin(), images->end(), [&](const auto& image) {
+    const Eigen::Vector3d& p_N = image.T_N_C.t;
+    return (p_N.array() < box.min.array()).any() || (p_N.array() > box.max.array()).any();
+  });
+  const auto outside = static_cast<std::size_t>(images->end() - inside);
+  images->erase(inside, images->end());
+  return outside;
+}
 
 Beginning Begin(const NerfTrainRequest& request) {
   Beginning beginning;
-  nerf::Split split = ReadNerfInput(request.input);
-  if (request.resume.empty()) {
+  nerf::Split split = ReadInputs(request);
+  if (!request.start_from.empty() && request.resume.empty()) {
+    beginning.field = ReadStart(request.start_from);
+    beginning.cells = beginning.field->cells;
+    CheckShard(request.shard, beginning.cells, request.start_from.string());
+  } else if (request.resume.empty()) {
     beginning.cells = CutScene(split, request.shard);
   } else {
     beginning.field = nerf::ReadField(request.resume);
@@ -73,6 +107,14 @@ Beginning Begin(const NerfTrainRequest& request) {
   const SceneCells& cells = beginning.cells;
   beginning.images = cells.IsCut() ? nerf::SelectCellImages(split.training, cells.own())
                                    : std::move(split.training);
+  if (!request.start_from.empty()) {
+    beginning.outside = DropOutside(beginning.field->box, &beginning.images);
+  }
+  if (beginning.images.empty() && beginning.outside > 0) {
+    ThrowInputError("{}: all {} images are outside of the box that it is the field of",
+                    request.start_from.string(),
+                    beginning.outside);
+  }
   if (beginning.images.empty()) {
     ThrowInputError("none of the images to train on is of sub-map {}/{}",
                     cells.shard().index,
@@ -252,7 +294,7 @@ Json RunNerfTrain(const NerfTrainRequest& request) {
   nerf::Trainer trainer =
       MakeTrainer(request, options, std::move(views), std::move(beginning.field));
   trainer.SetCells(beginning.cells);
-  if (request.resume.empty()) {
+  if (request.resume.empty() && request.start_from.empty()) {
     trainer.SetFrame(FrameOf(request.input));
   }
   const Schedule schedule(request, start, static_cast<double>(trainer.field().progress));
@@ -266,6 +308,9 @@ Json RunNerfTrain(const NerfTrainRequest& request) {
     json["shard"] = fmt::format("{}/{}", beginning.cells.index, beginning.cells.cells.size());
   }
   json["images"] = beginning.images.size();
+  if (!request.start_from.empty()) {
+    json["images_outside"] = beginning.outside;
+  }
   json["steps"] = sums.steps;
   json["psnr_db"] = sums.psnr_db;
   json["train_wall_s"] = SecondsSince(start);

@@ -118,7 +118,8 @@ void Play(const ReplayRequest& request,
                           request.host.Topics(vins, request.camera),
                           options.assembler,
                           callbacks,
-                          request.host.FrontEnd(vins, options.front_end));
+                          request.host.FrontEnd(vins, options.front_end),
+                          request.host.Poses(vins, request.bag));
   if (request.show_progress) {
     progress.Finish(static_cast<std::size_t>(result->bag.messages),
                     fmt::format("{} loops", accepted));

@@ -86,6 +86,7 @@ Json Replay(const ReplayRequest& request) {
 void AddInputOptions(CLI::App* sub, ReplayRequest* request) {
   sub->add_option("--bag", request->bag, "Bag with images and VINS-Mono's keyframes")->required();
   AddHostOptions(sub, &request->host);
+  AddHostPosesOptions(sub, &request->host);
   sub->add_option("--virtual-bag",
                   request->virtual_bag,
                   "Bag with virtual views (/virtual_cam0/frame); without, those of --bag");

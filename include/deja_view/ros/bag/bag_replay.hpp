@@ -2,6 +2,7 @@
 
 #include "deja_view/front_end/odometry_front_end.hpp"
 #include "deja_view/geometry/rigid3.hpp"
+#include "deja_view/geometry/trajectory.hpp"
 #include "deja_view/host/keyframe_assembler.hpp"
 #include "deja_view/host/keyframe_input.hpp"
 #include "deja_view/host/vio_topics.hpp"
@@ -61,13 +62,15 @@ ReplayReport ReplayBag(const std::filesystem::path& bag,
 /// The same with the virtual views of another bag in place of the first one's; they are not read
 /// without `callbacks.on_virtual_view`. With `front_end`, keyframes are made of the images and the
 /// poses of `topics.odometry` (nav_msgs/Odometry, geometry_msgs/PoseStamped,
-/// PoseWithCovarianceStamped or TransformStamped, or "tf:WORLD,BODY"), and only these are read.
-/// Throws UnusableFlight for poses whose world is not level where it ought to be.
+/// PoseWithCovarianceStamped or TransformStamped, or "tf:WORLD,BODY"), and only these are read;
+/// with `T_W_B`, of the images and these poses. Throws UnusableFlight for poses whose world is not
+/// level where it ought to be.
 ReplayReport ReplayBag(const std::filesystem::path& bag,
                        const std::filesystem::path& virtual_bag,
                        const VioTopics& topics,
                        const KeyframeAssemblerOptions& options,
                        const ReplayCallbacks& callbacks,
-                       const std::optional<FrontEndSetup>& front_end = std::nullopt);
+                       const std::optional<FrontEndSetup>& front_end = std::nullopt,
+                       const Trajectory& T_W_B = {});
 
 }  // namespace deja_view

@@ -203,5 +203,32 @@ TEST_F(BagReplayTest, MakesKeyframesOfImagesAndPosesAlone) {
   }
 }
 
+TEST_F(BagReplayTest, MakesKeyframesOfImagesAndGivenPoses) {
+  FrontEndSetup setup;
+  setup.camera = SharedPinholeOf(64, 48, 40, 31.5, 23.5);
+  VioTopics topics;
+  topics.keyframe_pose.clear();
+  const std::filesystem::path bag = WriteFlight("a.bag", 20);
+  ReplayBag(bag, {}, topics, {}, Callbacks(), setup);
+  const std::vector<KeyframeInput> of_topic = std::move(keyframes_);
+  keyframes_.clear();
+  topics.odometry = "/none";
+  Trajectory T_W_B;
+  for (const KeyframeInput& keyframe : of_topic) {
+    T_W_B.stamps_ns.push_back(keyframe.stamp_ns);
+    T_W_B.poses.push_back({keyframe.T_W_B.q, keyframe.T_W_B.t + Eigen::Vector3d(0, 5, 0)});
+  }
+  T_W_B.stamps_ns.push_back(T_W_B.stamps_ns.back() + 1'000'000'000);  // no image is so late
+  T_W_B.poses.emplace_back();
+  const ReplayReport report = ReplayBag(bag, {}, topics, {}, Callbacks(), setup, T_W_B);
+  EXPECT_EQ(report.messages, 20);
+  EXPECT_EQ(report.front_end.without_pose, 0);
+  ASSERT_EQ(keyframes_.size(), of_topic.size());
+  for (std::size_t i = 0; i < of_topic.size(); ++i) {
+    EXPECT_EQ(keyframes_[i].stamp_ns, of_topic[i].stamp_ns);
+    EXPECT_EQ(keyframes_[i].T_W_B.t, T_W_B.poses[i].t);
+  }
+}
+
 }  // namespace
 }  // namespace deja_view
