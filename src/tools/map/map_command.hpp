@@ -14,9 +14,9 @@ struct MapRequest {
   HostChoice host;
   std::filesystem::path bag;     ///< a flight: images and VINS-Mono's keyframes
   std::filesystem::path camera;  ///< of ReadVinsConfig
-  double budget_s = 720;        ///< wall time in all; what adjusting leaves goes to field and views
-  int steps = 0;                ///< of the field's training; 0: as many as the budget allows
-  std::string preset = "wide";  ///< of the views: paper, wide, needed or a ViewOptions file
+  double budget_s = 720;  ///< wall time in all; what adjusting leaves goes to field and views
+  int steps = 0;          ///< of the field's training; 0: as many as the budget allows
+  std::string preset = "needed";  ///< of the views: paper, wide, needed or a ViewOptions file
   std::vector<std::string> view_overrides;  ///< of the preset, "group.key=value"
   std::vector<std::string> overrides;       ///< of the loop closer, "group.key=value"
   int threads = 0;
