@@ -14,9 +14,9 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-const auto kCamera =
+const auto kChoiceCamera =
     std::make_shared<PinholeCamera>(PinholeParameters{160, 120, 100, 100, 79.5, 59.5, 0, 0, 0, 0});
-constexpr std::int64_t kStamp = 1403636632538560256;
+constexpr std::int64_t kChoiceStamp = 1403636632538560256;
 
 // A camera that looks along x, the room's z being up.
 Rigid3 LookAlongX(double x, double y) {
@@ -53,7 +53,8 @@ std::vector<ChosenViews> Choose(const ChoiceOptions& choice,
                                 const std::vector<PlacedImage>& images,
                                 int threads = 1,
                                 const RoomRenderer& room = RoomRenderer()) {
-  return ViewChooser(choice, sampling, Gate(), kCamera, {}).Choose(images, room, threads, [] {});
+  return ViewChooser(choice, sampling, Gate(), kChoiceCamera, {}).Choose(images, room, threads, [] {
+  });
 }
 
 std::size_t Count(const std::vector<ChosenViews>& chosen) {
@@ -65,7 +66,7 @@ std::size_t Count(const std::vector<ChosenViews>& chosen) {
 }
 
 TEST(ViewChoiceTest, NoViewWhereThePhotographIsRecognised) {
-  const std::vector<PlacedImage> image = {{kStamp, LookAlongX(-2, 0)}};
+  const std::vector<PlacedImage> image = {{kChoiceStamp, LookAlongX(-2, 0)}};
   EXPECT_EQ(Count(Choose(Need(), Around(0.3), image)), 0U);
   EXPECT_GT(Count(Choose(Need(), Around(2), image)), 0U);
 }
@@ -75,7 +76,7 @@ TEST(ViewChoiceTest, ChoosesWhatThePhotographDoesNotShow) {
   choice.reversed = true;
   choice.views_per_image = 1;
   const Rigid3 T_N_C = LookAlongX(0, 0);
-  const std::vector<ChosenViews> chosen = Choose(choice, Around(0.3), {{kStamp, T_N_C}});
+  const std::vector<ChosenViews> chosen = Choose(choice, Around(0.3), {{kChoiceStamp, T_N_C}});
   ASSERT_EQ(Count(chosen), 1U);
   const Rigid3 T_N_V = T_N_C * chosen[0].T_C_V[0];
   const Eigen::Vector3d ahead = T_N_V.q * Eigen::Vector3d::UnitZ();
@@ -87,9 +88,11 @@ TEST(ViewChoiceTest, AViewServesTheImagesBesideIt) {
   ChoiceOptions choice = Need();
   choice.reversed = true;
   choice.views_per_image = 100;
-  const std::size_t of_one = Count(Choose(choice, Around(0.3), {{kStamp, LookAlongX(0, 0)}}));
-  const std::size_t of_two = Count(
-      Choose(choice, Around(0.3), {{kStamp, LookAlongX(0, 0)}, {kStamp + 1, LookAlongX(0.05, 0)}}));
+  const std::size_t of_one = Count(Choose(choice, Around(0.3), {{kChoiceStamp, LookAlongX(0, 0)}}));
+  const std::size_t of_two =
+      Count(Choose(choice,
+                   Around(0.3),
+                   {{kChoiceStamp, LookAlongX(0, 0)}, {kChoiceStamp + 1, LookAlongX(0.05, 0)}}));
   EXPECT_GE(of_one, 1U);
   EXPECT_LE(of_two, of_one + 1);
 }
@@ -97,8 +100,8 @@ TEST(ViewChoiceTest, AViewServesTheImagesBesideIt) {
 TEST(ViewChoiceTest, KeepsToTheBudgetAndIsTheSameOnAnyNumberOfThreads) {
   ChoiceOptions choice = Need();
   choice.views_per_image = 1.5;
-  const std::vector<PlacedImage> images = {{kStamp, LookAlongX(-2, -1)},
-                                           {kStamp + 7, LookAlongX(1, 1)}};
+  const std::vector<PlacedImage> images = {{kChoiceStamp, LookAlongX(-2, -1)},
+                                           {kChoiceStamp + 7, LookAlongX(1, 1)}};
   const std::vector<ChosenViews> one = Choose(choice, Around(1.5), images, 1);
   const std::vector<ChosenViews> four = Choose(choice, Around(1.5), images, 4);
   ASSERT_EQ(Count(one), 3U);
@@ -113,14 +116,14 @@ TEST(ViewChoiceTest, KeepsToTheBudgetAndIsTheSameOnAnyNumberOfThreads) {
 
 TEST(ViewChoiceTest, CountsWhatTheGatePassedOver) {
   const std::vector<ChosenViews> unsure =
-      Choose(Need(), Around(0.3), {{kStamp, LookAlongX(0, 0)}}, 1, RoomRenderer(0.2));
+      Choose(Need(), Around(0.3), {{kChoiceStamp, LookAlongX(0, 0)}}, 1, RoomRenderer(0.2));
   EXPECT_THAT(unsure[0].T_C_V, IsEmpty());
   EXPECT_GT(unsure[0].not_free + unsure[0].uncertain, 0);
 }
 
 TEST(ViewChoiceTest, CanBeInterrupted) {
-  const ViewChooser chooser(Need(), Around(0.3), Gate(), kCamera, {});
-  EXPECT_THROW(chooser.Choose({{kStamp, LookAlongX(0, 0)}},
+  const ViewChooser chooser(Need(), Around(0.3), Gate(), kChoiceCamera, {});
+  EXPECT_THROW(chooser.Choose({{kChoiceStamp, LookAlongX(0, 0)}},
                               RoomRenderer(),
                               1,
                               [] { throw std::runtime_error("interrupted"); }),
