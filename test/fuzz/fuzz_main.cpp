@@ -226,8 +226,8 @@ int Explore(double seconds, double memory_mb, std::uint64_t seed) {
   const fs::path last = Scratch() / "last_input";
   Mutator mutator(Seeds(), seed);
   double slowest = 0;
-  for (const std::string& seed : Seeds()) {
-    RunOne(seed);  // nothing is wrong with these
+  for (const std::string& whole : Seeds()) {
+    RunOne(whole);  // nothing is wrong with these
   }
   for (; Clock::now() < end; ++inputs) {
     const std::string input = mutator.Next();
