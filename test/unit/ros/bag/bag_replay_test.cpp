@@ -65,7 +65,8 @@ TEST_F(BagReplayTest, HandsOverKeyframesInOrder) {
     EXPECT_EQ(keyframes_[i].image.at<std::uint8_t>(47, 63), i);
     EXPECT_EQ(keyframes_[i].points.size(), i);
   }
-  EXPECT_THAT(calibrations_, ElementsAre(::testing::Pair(0U, 0.25), ::testing::Pair(10U, 0.28125)));
+  // A keyframe has the newest one before it: one of its own stamp may come too late.
+  EXPECT_THAT(calibrations_, ElementsAre(::testing::Pair(1U, 0.25), ::testing::Pair(11U, 0.28125)));
 }
 
 TEST_F(BagReplayTest, ReadsAnotherBagsViewsOnlyWhereTheyAreWanted) {
