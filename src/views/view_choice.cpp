@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
-#include <queue>
 #include <utility>
 
 #include "max_coverage.hpp"

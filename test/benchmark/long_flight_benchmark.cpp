@@ -14,11 +14,11 @@
 #include <cmath>
 #include <cstdint>
 #include <ctime>
-#include <fstream>
 #include <random>
 #include <string>
 #include <vector>
 
+#include "resident_memory.hpp"
 #include <benchmark/benchmark.h>
 #include <opencv2/core.hpp>
 
@@ -26,19 +26,6 @@ namespace deja_view {
 namespace {
 
 constexpr double kMegabyte = 1024.0 * 1024.0;
-
-double ResidentMb() {
-  std::ifstream status("/proc/self/status");
-  std::string word;
-  while (status >> word) {
-    if (word == "VmRSS:") {
-      double kb = 0;
-      status >> kb;
-      return kb / 1024.0;
-    }
-  }
-  return 0;
-}
 
 double ThreadCpuMs() {
   timespec now{};
@@ -170,7 +157,7 @@ void BM_BackAndForth(benchmark::State& state) {
                                               report.loops.end(),
                                               [](const auto& loop) { return loop.accepted(); }));
     }
-    state.counters["rss_mb"] = ResidentMb() - ImagesMb(hall);
+    state.counters["rss_mb"] = test::ResidentKb() / 1024.0 - ImagesMb(hall);
     closer.OptimizeFully();
     std::vector<Eigen::Vector3d> corrected;
     std::vector<Eigen::Vector3d> vio;

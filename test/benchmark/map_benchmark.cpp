@@ -4,13 +4,13 @@
 #include "deja_view/pipeline/loop_closer.hpp"
 
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <random>
 #include <string>
 
 #include "map_io.hpp"
 #include "random_vocabulary.hpp"
+#include "resident_memory.hpp"
 #include <benchmark/benchmark.h>
 #include <unistd.h>
 
@@ -30,19 +30,6 @@ std::shared_ptr<const Camera> MakeBenchmarkCamera() {
   parameters.cx = 376;
   parameters.cy = 240;
   return std::make_shared<PinholeCamera>(parameters);
-}
-
-double ResidentKb() {
-  std::ifstream status("/proc/self/status");
-  std::string word;
-  while (status >> word) {
-    if (word == "VmRSS:") {
-      double kb = 0;
-      status >> kb;
-      return kb;
-    }
-  }
-  return 0;
 }
 
 Descriptor AWord(const Vocabulary& vocabulary, std::mt19937_64* rng) {
@@ -93,10 +80,10 @@ void BM_Load(benchmark::State& state) {
   WriteLongMap(directory, places, *camera, *vocabulary);
   const double file_kb = static_cast<double>(fs::file_size(directory / "map.dvm")) / 1024;
   for (auto _ : state) {
-    const double before_kb = ResidentKb();
+    const double before_kb = test::ResidentKb();
     LoopCloser closer({}, camera, Rigid3(), vocabulary);
     closer.Load(directory);
-    state.counters["resident_kb"] = (ResidentKb() - before_kb) / places;
+    state.counters["resident_kb"] = (test::ResidentKb() - before_kb) / places;
     state.counters["core_kb"] = static_cast<double>(closer.memory_bytes()) / 1024 / places;
   }
   state.counters["file_kb"] = file_kb / places;
