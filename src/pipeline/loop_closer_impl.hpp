@@ -95,7 +95,9 @@ class LoopCloserImpl {
   /// A loop was accepted so lately that the corrected pose is the better guess.
   bool IsLocalised() const;
   bool IsWithinReach(int old, const NewKeyframe& current) const;
-  std::vector<std::vector<RigCamera>> RigsOf(int old, const KeyframeFeatures& old_features) const;
+  std::vector<std::vector<RigCamera>> RigsOf(int old,
+                                             const KeyframeFeatures& old_features,
+                                             const NewKeyframe& current) const;
   Verification VerifyPair(int old,
                           const KeyframeFeatures& old_features,
                           bool with_views,

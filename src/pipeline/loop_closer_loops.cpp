@@ -64,15 +64,16 @@ std::vector<Candidate> LoopCloserImpl::FindCandidates(const NewKeyframe& current
 }
 
 // By where the newest keyframe should be, if that is known.
-std::vector<std::vector<RigCamera>> LoopCloserImpl::RigsOf(
-    int old, const KeyframeFeatures& old_features) const {
+std::vector<std::vector<RigCamera>> LoopCloserImpl::RigsOf(int old,
+                                                           const KeyframeFeatures& old_features,
+                                                           const NewKeyframe& current) const {
   const int newest = keyframes_.newest();
   std::optional<NearCamera> near;
   if (keyframes_.AreJoined(old, newest)) {
     near = NearCamera{keyframes_.T_M_C(old).Inverse() * keyframes_.T_M_C(newest),
                       SceneDepth(old_features)};
   }
-  return shelf_.RigsOf(old, old_features.T_B_C, near);
+  return shelf_.RigsOf(old, old_features.T_B_C, near, current.words.bow);
 }
 
 // With views: by the first rig that is believed, or else what the best one said.
@@ -95,7 +96,7 @@ Verification LoopCloserImpl::VerifyPair(int old,
     return verify({});
   }
   std::optional<Verification> best;
-  for (const std::vector<RigCamera>& rig : RigsOf(old, old_features)) {
+  for (const std::vector<RigCamera>& rig : RigsOf(old, old_features, current)) {
     Verification verification = verify(rig);
     if (!best || verification.reason == RejectReason::kNone) {
       best = std::move(verification);

@@ -233,32 +233,38 @@ const std::vector<StoredView>& ViewShelf::Of(int keyframe) const {
   return it == kept_.end() ? kNone : it->second;
 }
 
-std::vector<std::vector<RigCamera>> ViewShelf::RigsOf(int keyframe,
-                                                      const Rigid3& T_B_C,
-                                                      const std::optional<NearCamera>& near) const {
-  const std::vector<StoredView>& views = Of(keyframe);
+// The best first: the nearest, or else those that look most alike.
+std::vector<std::size_t> ViewShelf::Order(const std::vector<StoredView>& views,
+                                          const std::optional<NearCamera>& near,
+                                          const BowVector& bow) const {
+  std::vector<double> costs;
+  for (const StoredView& view : views) {
+    costs.push_back(near ? Difference(view.T_C_V, *near)
+                         : -places_->Score(bow, places_->Bag(view.descriptors)));
+  }
   std::vector<std::size_t> order(views.size());
   std::iota(order.begin(), order.end(), 0);
-  std::size_t in_rig = std::max<std::size_t>(1, views.size());
-  if (near) {
-    in_rig = static_cast<std::size_t>(options_.in_rig);
-    std::vector<double> differences;
-    for (const StoredView& view : views) {
-      differences.push_back(Difference(view.T_C_V, *near));
-    }
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-      return differences[a] < differences[b];
-    });
-  }
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return costs[a] < costs[b];
+  });
+  return order;
+}
+
+std::vector<std::vector<RigCamera>> ViewShelf::RigsOf(int keyframe,
+                                                      const Rigid3& T_B_C,
+                                                      const std::optional<NearCamera>& near,
+                                                      const BowVector& bow) const {
+  const std::vector<StoredView>& views = Of(keyframe);
+  const auto in_rig = static_cast<std::size_t>(options_.in_rig);
   std::vector<std::vector<RigCamera>> rigs;
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    if (k % in_rig == 0) {
+  for (const std::size_t i : Order(views, near, bow)) {
+    if (rigs.empty() || rigs.back().size() == in_rig) {
       if (static_cast<int>(rigs.size()) == options_.rigs) {
         break;
       }
       rigs.emplace_back();
     }
-    rigs.back().push_back(ToRigCamera(views[order[k]], T_B_C, options_));
+    rigs.back().push_back(ToRigCamera(views[i], T_B_C, options_));
   }
   return rigs;
 }

@@ -55,12 +55,13 @@ class ViewShelf {
   const std::vector<StoredView>& Of(int keyframe) const;
   const Views& kept() const { return kept_; }
   /// The keyframe's views as cameras of rigs around its own, the best first: `in_rig` in each,
-  /// those nearest to `near` in the first, the next ones in the second, until there are `rigs`; all
-  /// in one where `near` is not known. What is far off sees little of the same, and its chance
-  /// matches hide the others'.
+  /// those nearest to `near` in the first, the next ones in the second, until there are `rigs`.
+  /// Where `near` is not known, those whose words are most like `bow`, the drone's image's, come
+  /// first. What is far off sees little of the same, and its chance matches hide the others'.
   std::vector<std::vector<RigCamera>> RigsOf(int keyframe,
                                              const Rigid3& T_B_C,
-                                             const std::optional<NearCamera>& near) const;
+                                             const std::optional<NearCamera>& near,
+                                             const BowVector& bow) const;
 
   const ViewCounts& counts() const { return counts_; }
   /// Heap memory [bytes] of the views kept, without their part of the index.
@@ -75,6 +76,9 @@ class ViewShelf {
   void Keep(int keyframe, StoredView view);
   void Drop(int keyframe, std::size_t i);
   bool AgreesWithSource(const KeyframeFeatures& source, const StoredView& view) const;
+  std::vector<std::size_t> Order(const std::vector<StoredView>& views,
+                                 const std::optional<NearCamera>& near,
+                                 const BowVector& bow) const;
   double SimilarityToSource(const KeyframeFeatures& source, const StoredView& view) const;
   std::optional<std::size_t> FindSurpassed(const KeyframeFeatures& source,
                                            std::vector<StoredView>* views,

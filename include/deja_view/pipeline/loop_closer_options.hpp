@@ -99,7 +99,8 @@ struct VirtualViewOptions {
   /// (1 is the paper's choice, Sec. 3.2.3). 0: none, not even a loaded map's.
   int keep = 8;
   int max_features = 350;   ///< strongest, spread over the image
-  int in_rig = 1;           ///< of a keyframe's views, those nearest to where the drone should be
+  int in_rig = 1;           ///< of a keyframe's views, those nearest to where the drone should be,
+                            ///< or else those that look most like its image
   int rigs = 2;             ///< of a keyframe tried, one after the other, each with the next views
   int max_tried = 6;        ///< candidates per keyframe that are verified with their views
   int max_waiting = 400;    ///< views whose keyframe has not come yet; the oldest is given up first
