@@ -54,22 +54,31 @@ double SameLook(const SeenSurface& query,
                 const SeenSurface& known,
                 const Camera& camera,
                 const SameLookOptions& options) {
-  const Rigid3 T_K_N = known.T_N_C.Inverse();
+  constexpr double kFar = 2.5;  // in angles or zooms: e^-6.25, next to nothing
+  const Eigen::Quaterniond q_K_N = known.T_N_C.q.conjugate();
   const double per_angle = 1 / (options.angle_deg * kDegree);
   const double per_zoom = 1 / std::log(options.zoom);
+  const double least_cosine = std::cos(std::min(kPi, kFar / per_angle));
   double sum = 0;
   for (const Eigen::Vector3d& p_N : query.points_N) {
-    const Eigen::Vector3d p_K = T_K_N * p_N;
-    const std::optional<Eigen::Vector2d> pixel = camera.Project(p_K);
-    const double distance = p_K.norm();
+    // Most points end here, before anything is projected.
+    const Eigen::Vector3d from_query = p_N - query.T_N_C.t;
+    const Eigen::Vector3d from_known = p_N - known.T_N_C.t;
+    const double query_distance = from_query.norm();
+    const double distance = from_known.norm();
+    const double cosine = from_query.dot(from_known) / (query_distance * distance);
+    if (!(cosine >= least_cosine)) {
+      continue;
+    }
+    const double zoom = per_zoom * std::log(query_distance / distance);
+    if (std::abs(zoom) > kFar) {
+      continue;
+    }
+    const std::optional<Eigen::Vector2d> pixel = camera.Project(q_K_N * from_known);
     if (!pixel || !IsShown(known, *pixel, distance)) {
       continue;
     }
-    const Eigen::Vector3d from_query = p_N - query.T_N_C.t;
-    const double query_distance = from_query.norm();
-    const double cosine = from_query.dot(p_N - known.T_N_C.t) / (query_distance * distance);
-    const double angle = per_angle * std::acos(std::min(1.0, std::max(-1.0, cosine)));
-    const double zoom = per_zoom * std::log(query_distance / distance);
+    const double angle = per_angle * std::acos(std::min(1.0, cosine));
     sum += std::exp(-angle * angle - zoom * zoom);
   }
   return query.pixels > 0 ? sum / query.pixels : 0.0;

@@ -104,17 +104,20 @@ ViewChooser::Around ViewChooser::LookAround(const PlacedImage& image,
   return around;
 }
 
-std::vector<ChosenViews> ViewChooser::Choose(const std::vector<PlacedImage>& images,
-                                             const ViewRenderer& renderer,
-                                             int threads,
-                                             const std::function<void()>& on_image) const {
+std::vector<ChosenViews> ViewChooser::Choose(
+    const std::vector<PlacedImage>& images,
+    const ViewRenderer& renderer,
+    int threads,
+    const std::function<void(std::size_t done, std::size_t total)>& on_progress) const {
   std::vector<Around> around(images.size());
   std::mutex mutex;
+  std::size_t done = 0;  // rounds about an image: looking about it is one, comparing another
+  const std::size_t rounds = 2 * images.size();
   ParallelFor(threads, images.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       around[i] = LookAround(images[i], renderer);
       const std::lock_guard<std::mutex> lock(mutex);
-      on_image();
+      on_progress(++done, rounds);
     }
   });
 
@@ -131,6 +134,7 @@ std::vector<ChosenViews> ViewChooser::Choose(const std::vector<PlacedImage>& ima
     }
   }
   MaxCoverage coverage(seen.size());
+  std::size_t compared = 0;
   ParallelFor(threads, seen.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t q = begin; q < end; ++q) {
       const double reach = Reach(*seen[q]);
@@ -145,7 +149,7 @@ std::vector<ChosenViews> ViewChooser::Choose(const std::vector<PlacedImage>& ima
         coverage.Add(q, v, std::min(1.0, choice_.view_worth * look(*seen[v]) / choice_.enough));
       }
       const std::lock_guard<std::mutex> lock(mutex);
-      on_image();
+      on_progress(images.size() * (seen.size() + ++compared) / seen.size(), rounds);
     }
   });
   const auto budget = static_cast<std::size_t>(

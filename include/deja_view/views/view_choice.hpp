@@ -77,12 +77,13 @@ class ViewChooser {
               std::shared_ptr<const Camera> camera,
               std::vector<Eigen::Vector3d> flown_N);
 
-  /// For each of the images, in their order. Deterministic on any number of threads; `on_image` is
-  /// called now and then, and may throw to interrupt.
-  std::vector<ChosenViews> Choose(const std::vector<PlacedImage>& images,
-                                  const ViewRenderer& renderer,
-                                  int threads,
-                                  const std::function<void()>& on_image) const;
+  /// For each of the images, in their order. Deterministic on any number of threads;
+  /// `on_progress(done, total)` is called by one thread at a time, and may throw to interrupt.
+  std::vector<ChosenViews> Choose(
+      const std::vector<PlacedImage>& images,
+      const ViewRenderer& renderer,
+      int threads,
+      const std::function<void(std::size_t done, std::size_t total)>& on_progress) const;
 
  private:
   struct Around;  // of one image

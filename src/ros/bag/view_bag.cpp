@@ -111,7 +111,7 @@ Choice ChooseViews(const ViewJob& job,
                    const ViewRendererFactory& make_renderer,
                    const std::vector<SourceImage>& images,
                    const std::vector<Eigen::Vector3d>& flown_N,
-                   const std::function<void()>& on_image) {
+                   const ViewProgress& on_progress) {
   Choice choice;
   if (job.options.choice.by == ChoiceKind::kSampling || images.empty()) {
     return choice;
@@ -124,8 +124,10 @@ Choice ChooseViews(const ViewJob& job,
       job.options.choice, job.options.sampling, job.options.gate, job.camera, flown_N);
   ViewSource anywhere;
   anywhere.T_N_C = images.front().T_N_C;
-  const std::vector<ChosenViews> chosen =
-      chooser.Choose(placed, *make_renderer(anywhere, {}), job.threads, on_image);
+  const std::vector<ChosenViews> chosen = chooser.Choose(
+      placed, *make_renderer(anywhere, {}), job.threads, [&](std::size_t done, std::size_t total) {
+        on_progress(ViewStep::kChoosing, done, total);
+      });
   for (std::size_t i = 0; i < images.size(); ++i) {
     choice[images[i].stamp_ns] = chosen[i];
   }
@@ -244,10 +246,9 @@ void WritePart(const fs::path& path,
 
 }  // namespace
 
-ViewReport RenderViews(
-    const ViewJob& job,
-    const ViewRendererFactory& make_renderer,
-    const std::function<void(std::size_t done, std::size_t total)>& on_progress) {
+ViewReport RenderViews(const ViewJob& job,
+                       const ViewRendererFactory& make_renderer,
+                       const ViewProgress& on_progress) {
   DEJA_VIEW_CHECK(job.shard.count >= 1 && job.shard.index >= 0 &&
                   job.shard.index < job.shard.count);
   job.flight->CheckContent(job.threads);
@@ -272,22 +273,21 @@ ViewReport RenderViews(
     }
   }
   report.resumed = static_cast<std::int64_t>(share.size() - missing.size());
-  on_progress(share.size() - missing.size(), share.size());
 
   std::vector<Eigen::Vector3d> flown_N;
   for (const SourceImage& image : all.images) {
     flown_N.push_back(image.T_N_C.t);
   }
-  std::size_t done = share.size() - missing.size();
   Choice choice;
   if (!missing.empty()) {
-    choice =
-        ChooseViews(job, make_renderer, own, flown_N, [&] { on_progress(done, share.size()); });
+    choice = ChooseViews(job, make_renderer, own, flown_N, on_progress);
   }
+  std::size_t done = share.size() - missing.size();
+  on_progress(ViewStep::kRendering, done, share.size());
   const ViewMaker maker(
       job.options, job.content, job.camera, std::move(flown_N), Hash64(OwnSettings(job)));
   MakeMissing(job, maker, make_renderer, missing, choice, store, [&] {
-    on_progress(++done, share.size());
+    on_progress(ViewStep::kRendering, ++done, share.size());
   });
 
   const bool is_whole = job.shard.count == 1 && job.sub_map.shard.count == 1;

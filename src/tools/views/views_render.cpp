@@ -83,23 +83,26 @@ void TellSubMap(const Shard& sub_map) {
 }
 
 // A resumed run counts only what it still has to do, so that rate and time left are right.
-class SourceProgress {
+class StepProgress {
  public:
-  explicit SourceProgress(bool is_shown) : is_shown_(is_shown) {}
+  explicit StepProgress(bool is_shown) : is_shown_(is_shown) {}
 
-  void Update(std::size_t done, std::size_t total) {
+  void Update(ViewStep step, std::size_t done, std::size_t total) {
     if (!is_shown_) {
       return;
     }
-    if (!progress_) {
-      first_ = done;
-      progress_.emplace("virtual views", "images", total - done);
+    if (!progress_ || step != step_) {
+      step_ = step;
+      first_ = step == ViewStep::kRendering ? done : 0;
+      step == ViewStep::kRendering ? progress_.emplace("virtual views", "images", total - first_)
+                                   : progress_.emplace("choosing views", "rounds", total);
     }
     done == total ? progress_->Finish(done - first_) : progress_->Update(done - first_);
   }
 
  private:
   bool is_shown_;
+  ViewStep step_ = ViewStep::kChoosing;
   std::size_t first_ = 0;
   std::optional<Progress> progress_;
 };
@@ -135,10 +138,10 @@ Json RunViewsRender(const ViewsRenderRequest& request) {
   }
   job.sub_map = model.sub_map;
   job.settings = DescribeSettings(request, job.options, model);
-  SourceProgress progress(request.input.show_progress);
+  StepProgress progress(request.input.show_progress);
   const ViewReport report =
-      RenderViews(job, model.renderers, [&](std::size_t done, std::size_t total) {
-        progress.Update(done, total);
+      RenderViews(job, model.renderers, [&](ViewStep step, std::size_t done, std::size_t total) {
+        progress.Update(step, done, total);
         interrupt.Check();
       });
   Json json;

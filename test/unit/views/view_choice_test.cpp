@@ -53,8 +53,16 @@ std::vector<ChosenViews> Choose(const ChoiceOptions& choice,
                                 const std::vector<PlacedImage>& images,
                                 int threads = 1,
                                 const RoomRenderer& room = RoomRenderer()) {
-  return ViewChooser(choice, sampling, Gate(), kChoiceCamera, {}).Choose(images, room, threads, [] {
-  });
+  const ViewChooser chooser(choice, sampling, Gate(), kChoiceCamera, {});
+  std::size_t last = 0;
+  std::vector<ChosenViews> chosen =
+      chooser.Choose(images, room, threads, [&](std::size_t done, std::size_t total) {
+        EXPECT_EQ(total, 2 * images.size());
+        EXPECT_THAT(done, testing::AllOf(testing::Ge(last), testing::Le(total)));
+        last = done;
+      });
+  EXPECT_GE(last, images.size());
+  return chosen;
 }
 
 std::size_t Count(const std::vector<ChosenViews>& chosen) {
@@ -126,7 +134,9 @@ TEST(ViewChoiceTest, CanBeInterrupted) {
   EXPECT_THROW(chooser.Choose({{kChoiceStamp, LookAlongX(0, 0)}},
                               RoomRenderer(),
                               1,
-                              [] { throw std::runtime_error("interrupted"); }),
+                              [](std::size_t /*done*/, std::size_t /*total*/) {
+                                throw std::runtime_error("interrupted");
+                              }),
                std::runtime_error);
 }
 

@@ -67,17 +67,25 @@ struct ViewReport {
   std::vector<double> source_psnr_db;  ///< renders at the sources' own poses, small
 };
 
+/// What RenderViews is at.
+enum class ViewStep {
+  kChoosing,   ///< poses for all images together; counted in rounds, two per image
+  kRendering,  ///< counted in images
+};
+
+using ViewProgress = std::function<void(ViewStep step, std::size_t done, std::size_t total)>;
+
 /// Renders the views of a flight's images and writes the new bag: all messages of the flight, byte
 /// for byte, and the views right behind their source images, 1 ns apart. What is finished is kept
-/// in the directory `out`.work until the bag is whole. `on_progress(done, total)` is called after
-/// each source, by one thread at a time, and may throw to interrupt. The same job gives the same
-/// file, however often it was interrupted.
+/// in the directory `out`.work until the bag is whole. `on_progress(step, done, total)` is called
+/// by one thread at a time, and may throw to interrupt. The same job gives the same file, however
+/// often it was interrupted.
 ///
 /// Throws InputError for bad input, and when no source image at all is recognised: the poses are
 /// then not in the model's frame.
 ViewReport RenderViews(const ViewJob& job,
                        const ViewRendererFactory& make_renderer,
-                       const std::function<void(std::size_t done, std::size_t total)>& on_progress);
+                       const ViewProgress& on_progress);
 
 /// Puts the shares together, of all sub-maps: gives the same file as RenderViews in one run, as its
 /// job's `views_only` says with the flight's own messages or without. Throws InputError when a part

@@ -88,12 +88,13 @@ class ViewBagTest : public BagTest {
   }
 
   ViewReport Run(const ViewJob& job) {
-    return RenderViews(job, RoomFactory(), [this](std::size_t done, std::size_t total) {
-      if (done >= interrupt_at_) {
-        throw std::runtime_error("interrupted");
-      }
-      EXPECT_LE(done, total);
-    });
+    return RenderViews(
+        job, RoomFactory(), [this](ViewStep step, std::size_t done, std::size_t total) {
+          if (step == ViewStep::kRendering && done >= interrupt_at_) {
+            throw std::runtime_error("interrupted");
+          }
+          EXPECT_LE(done, total);
+        });
   }
 
   ViewRendererFactory RoomFactory() {
