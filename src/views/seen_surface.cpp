@@ -56,29 +56,29 @@ double SameLook(const SeenSurface& query,
                 const SameLookOptions& options) {
   constexpr double kFar = 2.5;  // in angles or zooms: e^-6.25, next to nothing
   const Eigen::Quaterniond q_K_N = known.T_N_C.q.conjugate();
+  const Eigen::Vector3d ahead_N = known.T_N_C.q * Eigen::Vector3d::UnitZ();
+  const double least_cosine = std::cos(std::min(kPi / 2, kFar * options.angle_deg * kDegree));
+  const double most_zoom = std::pow(options.zoom, 2 * kFar);  // of squares
   const double per_angle = 1 / (options.angle_deg * kDegree);
   const double per_zoom = 1 / std::log(options.zoom);
-  const double least_cosine = std::cos(std::min(kPi, kFar / per_angle));
   double sum = 0;
   for (const Eigen::Vector3d& p_N : query.points_N) {
-    // Most points end here, before anything is projected.
+    // Most points end here, before a root is drawn or anything projected.
     const Eigen::Vector3d from_query = p_N - query.T_N_C.t;
     const Eigen::Vector3d from_known = p_N - known.T_N_C.t;
-    const double query_distance = from_query.norm();
-    const double distance = from_known.norm();
-    const double cosine = from_query.dot(from_known) / (query_distance * distance);
-    if (!(cosine >= least_cosine)) {
-      continue;
-    }
-    const double zoom = per_zoom * std::log(query_distance / distance);
-    if (std::abs(zoom) > kFar) {
+    const double a = from_query.squaredNorm();
+    const double b = from_known.squaredNorm();
+    const double dot = from_query.dot(from_known);
+    if (from_known.dot(ahead_N) <= 0 || a > most_zoom * b || b > most_zoom * a || dot < 0 ||
+        dot * dot < least_cosine * least_cosine * a * b) {
       continue;
     }
     const std::optional<Eigen::Vector2d> pixel = camera.Project(q_K_N * from_known);
-    if (!pixel || !IsShown(known, *pixel, distance)) {
+    if (!pixel || !IsShown(known, *pixel, std::sqrt(b))) {
       continue;
     }
-    const double angle = per_angle * std::acos(std::min(1.0, cosine));
+    const double angle = per_angle * std::acos(std::min(1.0, dot / std::sqrt(a * b)));
+    const double zoom = per_zoom * 0.5 * std::log(a / b);
     sum += std::exp(-angle * angle - zoom * zoom);
   }
   return query.pixels > 0 ? sum / query.pixels : 0.0;
