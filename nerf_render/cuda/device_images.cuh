@@ -13,13 +13,14 @@ namespace deja_view::nerf::internal {
 template <typename System>
 class DeviceImages {
  public:
-  DeviceImages(const TrainingSet& set, const TrainOptions& options) : options_(options) {
+  DeviceImages(const TrainingSet& set, const TrainOptions& options)
+      : options_(options), squares_{options.patch_px, options.textured_share, options.textured_of} {
     lenses_.Upload(set.lenses);
     points_.Upload(set.points);
     std::size_t bytes = 0;
     for (const PlainImage& image : set.images) {
       bytes += image.bytes();
-      patch_ = std::min({patch_, options.patch_px, image.width, image.height});
+      squares_.side = std::min({squares_.side, image.width, image.height});
     }
     pixels_.Resize(bytes);
     std::vector<ImageView> views;
@@ -67,7 +68,7 @@ class DeviceImages {
         points_.size() == 0 || options_.depth_weight == 0
             ? std::size_t{0}
             : static_cast<std::size_t>(plan.depth_share * static_cast<float>(kRaysPerChunk));
-    draw.patch = patch_;
+    draw.squares = squares_;
     draw.first = first;
     draw.rays = rays->data();
     draw.targets = targets->data();
@@ -76,7 +77,7 @@ class DeviceImages {
 
  private:
   TrainOptions options_;
-  int patch_ = 1 << 15;
+  SquareOptions squares_;
   DeviceArray<System, LensView> lenses_;
   DeviceArray<System, std::uint8_t> pixels_;
   DeviceArray<System, ImageView> images_;

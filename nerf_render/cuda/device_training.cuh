@@ -46,13 +46,13 @@ class DeviceTraining {
   }
 
   void UpdateField(float rate) {
-    AdamStep step;
-    step.learning_rate = rate * options_.grid_learning_rate;
-    geometry_.Update(step, &field_.geometry);
-    appearance_.Update(step, &field_.appearance);
+    const AdamStep grid_step = GridStep(options_, rate);
+    geometry_.Update(grid_step, &field_.geometry);
+    appearance_.Update(grid_step, &field_.appearance);
     if (field_.has_background()) {
-      background_.Update(step, &field_.background);
+      background_.Update(grid_step, &field_.background);
     }
+    AdamStep step;
     step.learning_rate = rate * options_.network_learning_rate;
     density_.Update(step, &field_.density.values);
     color_.Update(step, &field_.color.values);

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "device_engine.hpp"
+#include "textured_square.hpp"
 
 // Where rays come from: pixels of a view to render, or random ones of the training images.
 
@@ -82,7 +83,7 @@ struct DrawRay {
   std::uint64_t seed = 0;
   std::uint64_t step = 0;
   std::size_t depth_rays = 0;  ///< of every chunk
-  int patch = 4;               ///< [px], at most any image's sides
+  SquareOptions squares;
   std::size_t first = 0;
   Ray* rays = nullptr;
   RayTarget* targets = nullptr;
@@ -97,19 +98,21 @@ struct DrawRay {
       pixel = {point.view, point.x, point.y, point.range, random.UniformFloat()};
       return pixel;
     }
-    const auto side = static_cast<std::size_t>(patch);
-    const std::size_t rays_per_patch = side * side;
-    const std::size_t number = (i - depth_rays) / rays_per_patch;
-    const std::size_t place = (i - depth_rays) % rays_per_patch;
-    random.Skip(2 * depth_rays + number * (3 + rays_per_patch));
+    const auto side = static_cast<std::size_t>(squares.side);
+    const std::size_t rays_per_square = side * side;
+    const std::size_t number = (i - depth_rays) / rays_per_square;
+    const std::size_t place = (i - depth_rays) % rays_per_square;
+    random.Skip(2 * depth_rays + number * (1 + NumbersPerSquare(squares) + rays_per_square));
     pixel.view = random.Index(static_cast<std::uint32_t>(image_count));
     const ImageView& image = images[pixel.view];
-    const auto x0 =
-        static_cast<int>(random.Index(static_cast<std::uint32_t>(image.width - patch + 1)));
-    const auto y0 =
-        static_cast<int>(random.Index(static_cast<std::uint32_t>(image.height - patch + 1)));
-    pixel.x = x0 + static_cast<int>(place) % patch;
-    pixel.y = y0 + static_cast<int>(place) / patch;
+    const PixelRows pixels{image.pixels,
+                           image.width,
+                           image.height,
+                           channels,
+                           static_cast<std::size_t>(image.width) * channels};
+    const SquareCorner at = DrawSquare(pixels, squares, &random);
+    pixel.x = at.x + static_cast<int>(place) % squares.side;
+    pixel.y = at.y + static_cast<int>(place) / squares.side;
     random.Skip(place);
     pixel.jitter = random.UniformFloat();
     return pixel;

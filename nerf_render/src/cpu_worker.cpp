@@ -102,7 +102,7 @@ void CpuWorker::UpdateField(float rate) {
 }
 
 void CpuWorker::UpdateGrids(float rate) {
-  const AdamStep step = AtRate(rate * options_.grid_learning_rate);
+  const AdamStep step = GridStep(options_, rate);
   struct Job {
     GridOptimizer* optimizer;
     GridGradient ChunkGradient::*part;

@@ -48,9 +48,13 @@ std::vector<std::string> TrainOptions::Validate() const {
   r.Group("march", march.Validate());
   r.Range("threads", threads, 0, 1024);
   r.Range("patch_px", patch_px, 1, 16);
+  r.Range("textured_share", textured_share, 0.0F, 1.0F);
+  r.Range("textured_of", textured_of, 1, 1000);
   r.Range("target_samples", target_samples, 1 << 8, 1 << 24);
   r.Range("max_rays", max_rays, 256, 1 << 20);
   r.Range("grid_learning_rate", grid_learning_rate, 0.0F, 1.0F);
+  r.Range("grid_epsilon", grid_epsilon, 0.0F, 1.0F);
+  r.Range("grid_decay", grid_decay, 0.0F, 1e3F);
   r.Range("network_learning_rate", network_learning_rate, 0.0F, 1.0F);
   r.Range("exposure_learning_rate", exposure_learning_rate, 0.0F, 1.0F);
   r.Range("final_learning_rate", final_learning_rate, 1e-6F, 1.0F);

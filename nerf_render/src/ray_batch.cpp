@@ -7,10 +7,12 @@
 #include <cmath>
 
 namespace deja_view::nerf::internal {
-
 RayBatch::RayBatch(const TrainOptions& options, const std::vector<TrainingView>& views)
-    : options_(options), views_(views) {
+    : options_(options),
+      views_(views),
+      squares_{options.patch_px, options.textured_share, options.textured_of} {
   for (std::size_t v = 0; v < views.size(); ++v) {
+    squares_.side = std::min({squares_.side, views[v].image.cols, views[v].image.rows});
     const Camera& camera = *views[v].camera;
     std::vector<Pixel>& directions = directions_[&camera];
     if (directions.empty()) {
@@ -91,15 +93,17 @@ void RayBatch::Draw(const RadianceField& field,
   }
   while (rays->size() < kRaysPerChunk) {
     const std::uint32_t v = random.Index(static_cast<std::uint32_t>(views_.size()));
-    const TrainingView& view = views_[v];
-    const int patch = std::min({options_.patch_px, view.image.cols, view.image.rows});
-    const auto x0 =
-        static_cast<int>(random.Index(static_cast<std::uint32_t>(view.image.cols - patch + 1)));
-    const auto y0 =
-        static_cast<int>(random.Index(static_cast<std::uint32_t>(view.image.rows - patch + 1)));
-    for (int i = 0; i < patch * patch && rays->size() < kRaysPerChunk; ++i) {
+    const cv::Mat& image = views_[v].image;
+    const int side = squares_.side;
+    const PixelRows pixels{image.ptr(),
+                           image.cols,
+                           image.rows,
+                           static_cast<std::size_t>(image.channels()),
+                           image.step};
+    const SquareCorner at = DrawSquare(pixels, squares_, &random);
+    for (int i = 0; i < side * side && rays->size() < kRaysPerChunk; ++i) {
       AddRay(
-          field, images, v, x0 + i % patch, y0 + i / patch, random.UniformFloat(), rays, targets);
+          field, images, v, at.x + i % side, at.y + i / side, random.UniformFloat(), rays, targets);
     }
   }
 }

@@ -8,10 +8,12 @@
 #include "image_parameters.hpp"
 #include "ray_loss.hpp"
 #include "step_plan.hpp"
+#include "textured_square.hpp"
 
 namespace deja_view::nerf::internal {
 
-/// Draws training rays: squares of pixels of random images, and rays through depth points.
+/// Draws training rays: squares of pixels of random images, of a share of them those with most
+/// contrast of a few, and rays through depth points.
 class RayBatch {
  public:
   RayBatch(const TrainOptions& options, const std::vector<TrainingView>& views);
@@ -46,6 +48,7 @@ class RayBatch {
 
   const TrainOptions& options_;
   const std::vector<TrainingView>& views_;
+  SquareOptions squares_;
   std::map<const Camera*, std::vector<Pixel>> directions_;  ///< unit rays in C, row by row
   std::vector<const std::vector<Pixel>*> directions_of_;    ///< per view
   std::vector<PointRef> points_;

@@ -30,7 +30,8 @@ DEJA_VIEW_HOST_DEVICE inline void StepAdam(
   const float g = *gradient;
   *first += (1 - step.beta1) * (g - *first);
   *second += (1 - step.beta2) * (g * g - *second);
-  *parameter -= step.learning_rate * *first / (std::sqrt(*second) + step.epsilon);
+  *parameter -=
+      step.learning_rate * (*first / (std::sqrt(*second) + step.epsilon) + step.decay * *parameter);
   *gradient = 0;
 }
 

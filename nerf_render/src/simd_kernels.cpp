@@ -158,16 +158,18 @@ void Adam(const AdamStep& step,
   const auto rate2 = hn::Set(d, 1 - step.beta2);
   const auto learning_rate = hn::Set(d, step.learning_rate);
   const auto epsilon = hn::Set(d, step.epsilon);
+  const auto decay = hn::Set(d, step.decay);
   for (std::size_t i = 0; i < count; i += lanes) {
     const auto g = hn::LoadU(d, gradient + i);
     const auto m0 = hn::LoadU(d, first + i);
     const auto v0 = hn::LoadU(d, second + i);
     const auto m = hn::MulAdd(rate1, hn::Sub(g, m0), m0);
     const auto v = hn::MulAdd(rate2, hn::Sub(hn::Mul(g, g), v0), v0);
-    const auto delta = hn::Div(hn::Mul(learning_rate, m), hn::Add(hn::Sqrt(v), epsilon));
+    const auto p = hn::LoadU(d, parameters + i);
+    const auto delta = hn::MulAdd(decay, p, hn::Div(m, hn::Add(hn::Sqrt(v), epsilon)));
     hn::StoreU(m, d, first + i);
     hn::StoreU(v, d, second + i);
-    hn::StoreU(hn::Sub(hn::LoadU(d, parameters + i), delta), d, parameters + i);
+    hn::StoreU(hn::NegMulAdd(learning_rate, delta, p), d, parameters + i);
     hn::StoreU(hn::Zero(d), d, gradient + i);
   }
 }

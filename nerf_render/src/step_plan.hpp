@@ -1,5 +1,8 @@
 #pragma once
 
+#include "deja_view/nerf/kernel_table.hpp"
+#include "deja_view/nerf/options.hpp"
+
 #include <cstddef>
 #include <cstdint>
 
@@ -31,5 +34,14 @@ struct StepSums {
     color_values += other.color_values;
   }
 };
+
+/// Of the grids' features, at a share of their learning rate.
+inline AdamStep GridStep(const TrainOptions& options, float rate) {
+  AdamStep step;
+  step.learning_rate = rate * options.grid_learning_rate;
+  step.epsilon = options.grid_epsilon;
+  step.decay = options.grid_decay;
+  return step;
+}
 
 }  // namespace deja_view::nerf::internal

@@ -40,6 +40,7 @@ struct AdamStep {
   float beta1 = 0.9F;
   float beta2 = 0.99F;
   float epsilon = 1e-15F;
+  float decay = 0;  ///< of a parameter, per learning rate (Loshchilov and Hutter, ICLR 2019)
 };
 
 /// The inner loops, in one flavour of instructions. All matrices are row-major; rows of samples are

@@ -89,9 +89,16 @@ struct TrainOptions {
   std::string kernels = "auto";  ///< "auto", "portable" or a name of AvailableKernels()
   bool deterministic = false;    ///< on a card the same bits every time, more slowly
   int patch_px = 4;              ///< rays come in squares of this side, 1 to 16
+  float textured_share = 0.5F;   ///< of the squares, each the one with most contrast of
+  int textured_of = 4;           ///< so many: that is where keypoints are
   int target_samples = 1 << 17;  ///< samples per step; the number of rays follows
   int max_rays = 1 << 14;        ///< per step
   float grid_learning_rate = 1e-2F;
+  /// What few rays touch, and these lightly, would learn as fast as what many do, and what the rays
+  /// of single images taught it shows as fringes: Adam's epsilon holds it still, and the decay (per
+  /// learning rate) takes it back (after Barron et al., Zip-NeRF, ICCV 2023, Sec. 5).
+  float grid_epsilon = 1e-5F;
+  float grid_decay = 0.5F;
   float network_learning_rate = 5e-3F;
   float exposure_learning_rate = 1e-3F;
   float final_learning_rate = 0.05F;  ///< share of the learning rates that is left at the end
@@ -118,9 +125,13 @@ struct TrainOptions {
     v("kernels", kernels);
     v("deterministic", deterministic);
     v("patch_px", patch_px);
+    v("textured_share", textured_share);
+    v("textured_of", textured_of);
     v("target_samples", target_samples);
     v("max_rays", max_rays);
     v("grid_learning_rate", grid_learning_rate);
+    v("grid_epsilon", grid_epsilon);
+    v("grid_decay", grid_decay);
     v("network_learning_rate", network_learning_rate);
     v("exposure_learning_rate", exposure_learning_rate);
     v("final_learning_rate", final_learning_rate);
