@@ -13,10 +13,10 @@
 namespace deja_view {
 namespace {
 
-void WriteLoops(std::ostream& out, const std::vector<LoopReport>& loops) {
+void WriteLoops(std::ostream& out, const std::vector<LoopRow>& loops) {
   out << "stamp_current_ns,stamp_old_ns,tx,ty,tz,qx,qy,qz,qw,score,inliers,virtual,accepted,"
          "reason\n";
-  for (const LoopReport& loop : loops) {
+  for (const LoopRow& loop : loops) {
     const Rigid3& T = loop.T_Bold_Bcurrent;
     out << fmt::format("{},{},{:.6f},{:.8f},{:.6f},{},{},{},{}\n",
                        loop.stamp_current_ns,
@@ -50,19 +50,34 @@ void WriteMatches(std::ostream& out, const std::vector<LoopMatches>& matches) {
 
 }  // namespace
 
-void AddLoopRows(const std::vector<LoopReport>& told, std::vector<LoopReport>* rows) {
+LoopRow::LoopRow(const LoopReport& report)
+    : stamp_current_ns(report.stamp_current_ns),
+      stamp_old_ns(report.stamp_old_ns),
+      T_Bold_Bcurrent(report.T_Bold_Bcurrent),
+      score(report.score),
+      current(report.current),
+      old(report.old),
+      inliers(report.inliers),
+      is_virtual(report.is_virtual),
+      reason(report.reason) {}
+
+template <typename Row>
+void AddLoopRows(const std::vector<LoopReport>& told, std::vector<Row>* rows) {
   for (const LoopReport& loop : told) {
     if (loop.reason != RejectReason::kWithdrawn) {
-      rows->push_back(loop);
+      rows->emplace_back(loop);
       continue;
     }
-    const auto accepted = std::find_if(rows->rbegin(), rows->rend(), [&](const LoopReport& row) {
+    const auto accepted = std::find_if(rows->rbegin(), rows->rend(), [&](const Row& row) {
       return row.accepted() && row.old == loop.old && row.current == loop.current;
     });
     DEJA_VIEW_CHECK(accepted != rows->rend());
     accepted->reason = RejectReason::kWithdrawn;
   }
 }
+
+template void AddLoopRows(const std::vector<LoopReport>& told, std::vector<LoopReport>* rows);
+template void AddLoopRows(const std::vector<LoopReport>& told, std::vector<LoopRow>* rows);
 
 std::vector<KeyframeInfo> ListKeyframes(const LoopCloser& closer, int most) {
   std::vector<KeyframeInfo> keyframes;
@@ -77,7 +92,7 @@ std::vector<KeyframeInfo> ListKeyframes(const LoopCloser& closer, int most) {
 void WriteResultFiles(const std::filesystem::path& directory,
                       const std::vector<KeyframeInfo>& keyframes,
                       int first_own,
-                      const std::vector<LoopReport>& loops,
+                      const std::vector<LoopRow>& loops,
                       const std::vector<LoopMatches>& matches) {
   Trajectory corrected;
   Trajectory vio;

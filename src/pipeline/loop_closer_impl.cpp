@@ -219,8 +219,7 @@ void LoopCloserImpl::BecomePlace(NewKeyframe current, KeyframeTimes* times) {
   if (options_.add_places &&
       policy_.IsNewPlace(CameraOf(index), current.features, CamerasAround(false))) {
     keyframes_.MakePlace(std::move(current.features));
-    places_.Add(
-        index, keyframes_.node(index).sequence, keyframes_[index].stamp_ns, current.words.bow);
+    places_.Add(index, keyframes_.node(index).sequence, keyframes_[index].stamp_ns, current.words);
   }
   places_.Pass(std::move(current.words));
   shelf_.AttachWaiting(index, keyframes_);
@@ -302,20 +301,21 @@ void LoopCloserImpl::Save(const std::filesystem::path& directory) const {
 
 // To look the words up is most of the work, and the same on any number of threads.
 void LoopCloserImpl::AddLoadedPlaces() {
-  constexpr std::size_t kAtOnce = 4096;  // whose bags wait for the index, some kB each
+  constexpr std::size_t kAtOnce = 4096;  // whose words wait for the index, some kB each
   const KeyframeMap& keyframes = keyframes_;
   const std::vector<int>& places = keyframes.places();
   for (std::size_t first = 0; first < places.size(); first += kAtOnce) {
-    std::vector<BowVector> bags(std::min(kAtOnce, places.size() - first));
-    ParallelFor(0, bags.size(), [&](std::size_t begin, std::size_t end) {
+    std::vector<NewPlace> added(std::min(kAtOnce, places.size() - first));
+    ParallelFor(0, added.size(), [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        bags[i] = places_.Bag(keyframes.features(places[first + i]).descriptors);
+        const int place = places[first + i];
+        added[i] = {place,
+                    keyframes.node(place).sequence,
+                    keyframes[place].stamp_ns,
+                    places_.Words(keyframes.features(place).descriptors)};
       }
     });
-    for (std::size_t i = 0; i < bags.size(); ++i) {
-      const int place = places[first + i];
-      places_.Add(place, keyframes.node(place).sequence, keyframes[place].stamp_ns, bags[i]);
-    }
+    places_.AddAll(added);
   }
 }
 

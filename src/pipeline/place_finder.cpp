@@ -32,31 +32,52 @@ PlaceFinder::PlaceFinder(const PlaceDatabaseOptions& place,
 }
 
 ImageWords PlaceFinder::Words(const std::vector<Descriptor>& descriptors) const {
+  return Weighted(Bag(descriptors));
+}
+
+ImageWords PlaceFinder::Weighted(BowVector bow) const {
   ImageWords words;
-  words.bow = Bag(descriptors);
+  words.bow = std::move(bow);
   if (scored_) {
     words.weighted = scored_->Weigh(words.bow);
   }
   return words;
 }
 
-void PlaceFinder::Index(int keyframe, const BowVector& bow, int tag) {
+void PlaceFinder::Index(int keyframe, const ImageWords& words, int tag) {
   if (scored_) {
-    scored_->Add(keyframe, bow, tag);
+    scored_->Add(keyframe, words.bow, words.weighted, tag);
   } else {
-    places_.Add(keyframe, bow, tag);
+    places_.Add(keyframe, words.bow, tag);
   }
-  (tag == kRealImage ? place_words_ : view_words_) += bow.entries.size();
+  (tag == kRealImage ? place_words_ : view_words_) += words.bow.entries.size();
 }
 
-void PlaceFinder::Add(int keyframe, int sequence, std::int64_t stamp_ns, const BowVector& bow) {
+void PlaceFinder::Add(int keyframe, int sequence, std::int64_t stamp_ns, const ImageWords& words) {
   DEJA_VIEW_CHECK(entries_.empty() || entries_.back().keyframe < keyframe);
-  Index(keyframe, bow, kRealImage);
+  Index(keyframe, words, kRealImage);
   entries_.push_back({keyframe, sequence, stamp_ns});
 }
 
+void PlaceFinder::AddAll(const std::vector<NewPlace>& places) {
+  if (!scored_) {
+    for (const NewPlace& place : places) {
+      Add(place.keyframe, place.sequence, place.stamp_ns, place.words);
+    }
+    return;
+  }
+  std::vector<WeighedImage> images;
+  for (const NewPlace& place : places) {
+    DEJA_VIEW_CHECK(entries_.empty() || entries_.back().keyframe < place.keyframe);
+    images.push_back({place.keyframe, &place.words.bow, &place.words.weighted});
+    entries_.push_back({place.keyframe, place.sequence, place.stamp_ns});
+    place_words_ += place.words.bow.entries.size();
+  }
+  scored_->AddAll(images, kRealImage);
+}
+
 void PlaceFinder::AddView(int keyframe, int view, const BowVector& bow) {
-  Index(keyframe, bow, TagOf(view));
+  Index(keyframe, Weighted(bow), TagOf(view));
 }
 
 void PlaceFinder::RemoveView(int keyframe, int view) {

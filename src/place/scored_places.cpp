@@ -73,7 +73,10 @@ class ScoredPlaces::Impl {
  public:
   Impl(const ScoringOptions& options, std::shared_ptr<const Vocabulary> vocabulary);
 
-  void Add(int id, const BowVector& bow, int tag);
+  void Add(int id, const BowVector& bow, const WeightedBow& weighted, int tag) {
+    Own(id, tag, index_.Add(bow, weighted));
+  }
+  void AddAll(const std::vector<WeighedImage>& images, int tag);
   void Remove(int id, int tag);
   void Clear();
   WeightedBow Weigh(const BowVector& bow) const;
@@ -90,6 +93,7 @@ class ScoredPlaces::Impl {
     std::vector<Image> images;
   };
 
+  void Own(int id, int tag, std::uint32_t slot);
   double Combined(double original, double view) const;
   double MostScore(float cosine) const;
   std::vector<std::uint32_t> LargestOf(const std::vector<float>& bounds,
@@ -131,13 +135,24 @@ WeightedBow ScoredPlaces::Impl::Weigh(const BowVector& bow) const {
   return words;
 }
 
-void ScoredPlaces::Impl::Add(int id, const BowVector& bow, int tag) {
+void ScoredPlaces::Impl::AddAll(const std::vector<WeighedImage>& images, int tag) {
+  std::vector<internal::WeighedBow> words;
+  words.reserve(images.size());
+  for (const WeighedImage& image : images) {
+    words.push_back({*image.bow, *image.weighted});
+  }
+  const std::vector<std::uint32_t> slots = index_.AddAll(words);
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    Own(images[i].id, tag, slots[i]);
+  }
+}
+
+void ScoredPlaces::Impl::Own(int id, int tag, std::uint32_t slot) {
   const auto [found, is_new] =
       place_of_.try_emplace(id, static_cast<std::uint32_t>(places_.size()));
   if (is_new) {
     places_.push_back({id, {}});
   }
-  const std::uint32_t slot = index_.Add(bow, Weigh(bow));
   owners_.resize(index_.slot_count());
   owners_[slot] = found->second;
   has_views_ |= tag != 0;
@@ -269,7 +284,15 @@ ScoredPlaces::ScoredPlaces(ScoredPlaces&&) noexcept = default;
 ScoredPlaces& ScoredPlaces::operator=(ScoredPlaces&&) noexcept = default;
 
 void ScoredPlaces::Add(int id, const BowVector& bow, int tag) {
-  impl_->Add(id, bow, tag);
+  impl_->Add(id, bow, impl_->Weigh(bow), tag);
+}
+
+void ScoredPlaces::Add(int id, const BowVector& bow, const WeightedBow& weighted, int tag) {
+  impl_->Add(id, bow, weighted, tag);
+}
+
+void ScoredPlaces::AddAll(const std::vector<WeighedImage>& images, int tag) {
+  impl_->AddAll(images, tag);
 }
 
 void ScoredPlaces::Remove(int id, int tag) {

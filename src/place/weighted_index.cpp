@@ -1,6 +1,7 @@
 #include "weighted_index.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/parallel.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -63,25 +64,77 @@ std::uint32_t WeightedIndex::TakeSlot() {
 std::uint32_t WeightedIndex::Add(const BowVector& bow, const WeightedBow& words) {
   DEJA_VIEW_CHECK_OP(bow.entries.size(), ==, words.size());
   const std::uint32_t slot = TakeSlot();
+  Fill(slot, bow, words);
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    Name(slot, slot_count(), bow.entries[i], words[i].weight);
+  }
+  return slot;
+}
+
+void WeightedIndex::Fill(std::uint32_t slot, const BowVector& bow, const WeightedBow& words) {
   double scale = 0;
   for (std::size_t i = 0; i < words.size(); ++i) {
-    if (!(static_cast<float>(words[i].weight) > 0)) {
-      continue;
+    if (static_cast<float>(words[i].weight) > 0) {
+      const std::uint32_t count = Counted(bow.entries[i].count);
+      scale = std::max(scale, words[i].weight / (count * double{vocabulary_->Idf(words[i].word)}));
     }
-    const std::uint32_t count = Counted(bow.entries[i].count);
-    Word& word = words_.at(words[i].word);
-    word.all.Add(slot, slot_count());
-    if (count > 1) {
-      word.twice.Add(slot, slot_count());
-    }
-    if (count > 2) {
-      word.more.Add(slot, count);
-    }
-    scale = std::max(scale, words[i].weight / (count * double{vocabulary_->Idf(words[i].word)}));
   }
   slots_[slot] = PackedWords(words);
   scales_[slot] = static_cast<float>(scale);
-  return slot;
+}
+
+// `slots` is how many there were when the slot was taken.
+void WeightedIndex::Name(std::uint32_t slot,
+                         std::uint32_t slots,
+                         const WordCount& entry,
+                         double weight) {
+  if (!(static_cast<float>(weight) > 0)) {
+    return;
+  }
+  const std::uint32_t count = Counted(entry.count);
+  Word& word = words_.at(entry.word);
+  word.all.Add(slot, slots);
+  if (count > 1) {
+    word.twice.Add(slot, slots);
+  }
+  if (count > 2) {
+    word.more.Add(slot, count);
+  }
+}
+
+// Words are cut into ranges, each small enough for a core's cache: within one, images come in their
+// order, so that each word gets the slots that it gets by one Add after the other.
+std::vector<std::uint32_t> WeightedIndex::AddAll(const std::vector<WeighedBow>& images) {
+  std::vector<std::uint32_t> slots;
+  std::vector<std::uint32_t> counts;
+  for (const WeighedBow& image : images) {
+    DEJA_VIEW_CHECK_OP(image.bow.entries.size(), ==, image.words.size());
+    DEJA_VIEW_CHECK(image.bow.entries.empty() || image.bow.entries.back().word < words_.size());
+    slots.push_back(TakeSlot());
+    counts.push_back(slot_count());
+  }
+  ParallelFor(0, images.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      Fill(slots[i], images[i].bow, images[i].words);
+    }
+  });
+  constexpr std::size_t kRange = 2048;  // words
+  ParallelFor(0, (words_.size() + kRange - 1) / kRange, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t range = begin; range < end; ++range) {
+      for (std::size_t i = 0; i < images.size(); ++i) {
+        const std::vector<WordCount>& entries = images[i].bow.entries;
+        auto entry = std::lower_bound(
+            entries.begin(), entries.end(), kRange * range, [](const WordCount& a, std::size_t b) {
+              return a.word < b;
+            });
+        for (; entry != entries.end() && entry->word < kRange * (range + 1); ++entry) {
+          const auto k = static_cast<std::size_t>(entry - entries.begin());
+          Name(slots[i], counts[i], *entry, images[i].words[k].weight);
+        }
+      }
+    }
+  });
+  return slots;
 }
 
 void WeightedIndex::Remove(std::uint32_t slot) {

@@ -43,6 +43,12 @@ class PackedWords {
   std::vector<float> weights_;
 };
 
+/// An image's words, and the same weighted.
+struct WeighedBow {
+  const BowVector& bow;
+  const WeightedBow& words;
+};
+
 /// Images by their weighted words: each word names the images (slots) that show it, each image its
 /// words, so that few images need be compared word by word.
 ///
@@ -56,6 +62,8 @@ class WeightedIndex {
 
   /// The slot that it takes, which was free. `words` are `bow`'s, weighted.
   std::uint32_t Add(const BowVector& bow, const WeightedBow& words);
+  /// The same as one Add after the other: many images at once find a word's slots in the cache.
+  std::vector<std::uint32_t> AddAll(const std::vector<WeighedBow>& images);
   void Remove(std::uint32_t slot);
   void Clear();
 
@@ -81,6 +89,8 @@ class WeightedIndex {
   };
 
   std::uint32_t TakeSlot();
+  void Fill(std::uint32_t slot, const BowVector& bow, const WeightedBow& words);
+  void Name(std::uint32_t slot, std::uint32_t slots, const WordCount& entry, double weight);
   void Prefetch(const WeightedBow& query, std::size_t i) const;
 
   std::shared_ptr<const Vocabulary> vocabulary_;

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """check_loops_test.py TOOL: scripts/check_loops finds no wrong loop in a small world, goes on after a kill where it was,
-and fails when the gates let wrong loops through."""
+and fails when the gates let wrong loops through; with exact views of the places, and with those of a field."""
 
 import json
 import os
@@ -93,6 +93,23 @@ class CheckLoopsTest(unittest.TestCase):
         self.assertEqual((code, calls), (1, ["replay", "replay"]), text)
         with open(report, encoding="ascii") as file:
             self.assertGreater(json.load(file)["wrong"], 0)
+
+    def test_flies_with_views_of_the_places(self):
+        report = self.path("report.json")
+        views = ("--views", "wide,field", "--field-steps", "300", "--json", report)
+        code, text, calls = self.check("views", "localise", *views)
+        self.assertEqual(code, 0, text)
+        # Two flights with exact views, then the two without, of which a field each learns and renders.
+        of_views = ["simulate"] * 2 + ["replay"] * 2 + ["simulate"] * 2 + ["map", "replay"] * 2
+        self.assertEqual(calls, of_views)
+        with open(report, encoding="ascii") as file:
+            rows = {row["views"]: row["flights"]["1"] for row in json.load(file)["rows"]}
+        self.assertGreater(rows["wide"]["of_views"], 0)
+        self.assertGreater(rows["field"]["of_views"], 0)
+        self.assertEqual((rows["wide"]["wrong"], rows["field"]["wrong"]), (0, 0))
+
+        code, text, calls = self.check("views", "localise", *views)
+        self.assertEqual((code, calls), (0, []), text)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""replay_test.py TOOL FLIGHT: what `deja_view replay` does with the simulated flight in the directory FLIGHT, and with
-bags and cameras that don't go together."""
+"""replay_test.py TOOL FLIGHT VIEWS: what `deja_view replay` does with the simulated flight in the directory FLIGHT, with
+the views of the one in VIEWS, and with bags and cameras that don't go together."""
 
 import json
 import math
@@ -14,7 +14,7 @@ import rosbag
 from geometry_msgs.msg import TransformStamped
 from tf2_msgs.msg import TFMessage
 
-TOOL, FLIGHT = sys.argv[1:3]
+TOOL, FLIGHT, VIEWS = sys.argv[1:4]
 BAG, CAMERA = os.path.join(FLIGHT, "flight.bag"), os.path.join(FLIGHT, "camera.yaml")
 POSES = "/vins_estimator/odometry"
 ODOMETRY = ["--host", "odometry", "--odometry-topic", POSES]
@@ -46,11 +46,11 @@ class ReplayTest(unittest.TestCase):
         with open(file, encoding="utf-8") as lines:
             return json.load(lines), result
 
-    def edited(self, edit):
+    def edited(self, edit, source=BAG):
         """A copy of the bag; edit(topic, message, seconds since its beginning) returns the message, none, or a topic and
         its message."""
         path = os.path.join(self.folder, "edited.bag")
-        with rosbag.Bag(BAG) as bag, rosbag.Bag(path, "w") as out:
+        with rosbag.Bag(source) as bag, rosbag.Bag(path, "w") as out:
             begin = bag.get_start_time()
             for topic, message, time in bag.read_messages():
                 message = edit(topic, message, message.header.stamp.to_sec() - begin)
@@ -59,6 +59,26 @@ class ReplayTest(unittest.TestCase):
                 if message is not None:
                     out.write(topic, message, time)
         return path
+
+    def test_refused_views_take_one_line_when_quiet(self):
+        spoilt = []
+
+        def spoil(topic, message, _):
+            if topic == "/virtual_cam0/frame":
+                spoilt.append(topic)
+                if len(spoilt) % 2:
+                    message.depth = message.depth[:-1]
+                else:
+                    message.camera_model = "NONE\nWHATEVER"
+            return message
+
+        figures, result = self.figures(self.edited(spoil, os.path.join(VIEWS, "flight.bag")))
+        self.assertGreater(len(spoilt), 50)
+        self.assertEqual(figures["problems"], len(spoilt))
+        lines = result.stderr.splitlines()
+        self.assertEqual(len(lines), 1, result.stderr)
+        self.assertRegex(lines[0], r"^warning: .*/virtual_cam0/frame.* \(and \d+ more")
+        self.assertLess(len(lines[0]), 400)
 
     def test_a_restart_in_flight_is_joined_by_the_next_loops(self):
         """The VIO is silent for 1.4 s and begins anew, 3 m and 100 degrees off, with tracks of its own."""

@@ -2,15 +2,34 @@
 
 #include "deja_view/pipeline/loop_closer.hpp"
 
+#include <cstdint>
 #include <filesystem>
 #include <limits>
 #include <vector>
 
 namespace deja_view {
 
+/// What loops.csv tells of a loop: a quarter of a report, since a flight keeps all of them.
+struct LoopRow {
+  LoopRow(const LoopReport& report);  // NOLINT(google-explicit-constructor): a part of it
+
+  std::int64_t stamp_current_ns;
+  std::int64_t stamp_old_ns;
+  Rigid3 T_Bold_Bcurrent;  ///< [m]
+  double score;
+  int current;  ///< index of the keyframe
+  int old;
+  int inliers;
+  bool is_virtual;
+  RejectReason reason;
+
+  bool accepted() const { return reason == RejectReason::kNone; }
+};
+
 /// Adds what a keyframe told of loops to a flight's rows. A withdrawn loop becomes no row of its
-/// own: the one that was accepted is no more.
-void AddLoopRows(const std::vector<LoopReport>& told, std::vector<LoopReport>* rows);
+/// own: the one that was accepted is no more. `Row`: LoopRow or LoopReport.
+template <typename Row>
+void AddLoopRows(const std::vector<LoopReport>& told, std::vector<Row>* rows);
 
 /// All keyframes, a loaded map's too; of more than `most` that many, spread evenly, the newest
 /// among them.
@@ -32,7 +51,7 @@ std::vector<KeyframeInfo> ListKeyframes(const LoopCloser& closer,
 void WriteResultFiles(const std::filesystem::path& directory,
                       const std::vector<KeyframeInfo>& keyframes,
                       int first_own,
-                      const std::vector<LoopReport>& loops,
+                      const std::vector<LoopRow>& loops,
                       const std::vector<LoopMatches>& matches = {});
 
 /// Makes the directory when it is missing. Throws InputError that names it unless files can be

@@ -46,6 +46,13 @@ struct ScoredPlace {
   double score = 0;         ///< combined (CombineScores)
 };
 
+/// A keyframe's words, and what Weigh gives for them.
+struct WeighedImage {
+  int id = -1;
+  const BowVector* bow = nullptr;
+  const WeightedBow* weighted = nullptr;
+};
+
 /// Weighted words of past keyframes, scored as the paper does. Weights are those of the
 /// vocabulary's idf, computed once when a place is added. Deterministic; const methods may be
 /// called from several threads.
@@ -59,6 +66,10 @@ class ScoredPlaces {
 
   /// `tag` 0: the original image, else a virtual one. (id, tag) must be new.
   void Add(int id, const BowVector& bow, int tag);
+  /// The same with `weighted`, what Weigh gives for `bow`.
+  void Add(int id, const BowVector& bow, const WeightedBow& weighted, int tag);
+  /// The same as one Add after the other, sooner, on all cores.
+  void AddAll(const std::vector<WeighedImage>& images, int tag);
   void Remove(int id, int tag);
   void Clear();
 

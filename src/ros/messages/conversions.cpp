@@ -164,8 +164,11 @@ std::int64_t FeatureId(float value) {
 
 }  // namespace
 
+// A message may say any number of nanoseconds: up to four seconds beyond what can be written again.
 std::int64_t ToNanoseconds(const ros::Time& stamp) {
-  return std::int64_t{stamp.sec} * kNanoseconds + stamp.nsec;
+  constexpr std::int64_t kLatest =
+      (std::int64_t{std::numeric_limits<std::uint32_t>::max()} + 1) * kNanoseconds - 1;
+  return std::min(kLatest, std::int64_t{stamp.sec} * kNanoseconds + stamp.nsec);
 }
 
 ros::Time ToRosTime(std::int64_t stamp_ns) {

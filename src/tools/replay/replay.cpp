@@ -183,8 +183,11 @@ ReplayResult RunReplay(const ReplayRequest& request) {
   result.peak_rss_mb = PeakRssMb();
   result.wall_s = SecondsSince(start);
   if (!request.out.empty()) {
-    WriteResultFiles(
-        request.out, result.keyframes, result.map_keyframes, result.loops, result.matches.Sorted());
+    WriteResultFiles(request.out,
+                     result.keyframes,
+                     result.map_keyframes,
+                     {result.loops.begin(), result.loops.end()},
+                     result.matches.Sorted());
   }
   return result;
 }

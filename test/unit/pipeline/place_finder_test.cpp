@@ -58,7 +58,7 @@ class PlaceFinderOf : public testing::TestWithParam<bool> {
   PlaceFinder WithPlaces() const {
     PlaceFinder finder = Make();
     for (int i = 0; i < 20; i += 2) {
-      finder.Add(i, 0, i * kSecond, WordsOf(i));
+      finder.Add(i, 0, i * kSecond, Look(i));
     }
     return finder;
   }
@@ -148,13 +148,13 @@ TEST_P(PlaceFinderOf, ClearForgetsAll) {
   EXPECT_EQ(finder.size(), 0);
   EXPECT_EQ(finder.view_memory_bytes(), 0U);
   EXPECT_THAT(Find(finder, 6, 60).candidates, IsEmpty());
-  finder.Add(3, 0, 0, WordsOf(3));
+  finder.Add(3, 0, 0, Look(3));
   EXPECT_EQ(Find(finder, 3, 60).best->old, 3);
 }
 
 TEST_P(PlaceFinderOf, PlacesComeInTheirOrder) {
   PlaceFinder finder = WithPlaces();
-  EXPECT_THROW(finder.Add(18, 0, 20 * kSecond, WordsOf(1)), CheckError);
+  EXPECT_THROW(finder.Add(18, 0, 20 * kSecond, Look(1)), CheckError);
 }
 
 INSTANTIATE_TEST_SUITE_P(Scores, PlaceFinderOf, testing::Values(false, true));

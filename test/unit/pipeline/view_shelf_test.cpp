@@ -41,7 +41,7 @@ class ViewShelfTest : public testing::Test {
     keyframes_.Add(keyframe, 0, pair_.old.T_W_B);
     if (is_place) {
       keyframes_.MakePlace(pair_.old.features);
-      places_.Add(i, 0, keyframe.stamp_ns, places_.Bag(pair_.old.features.descriptors));
+      places_.Add(i, 0, keyframe.stamp_ns, places_.Words(pair_.old.features.descriptors));
     }
   }
 

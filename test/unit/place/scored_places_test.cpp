@@ -26,6 +26,18 @@ BowVector FewRandomWords(std::mt19937_64* rng) {
   return CountWords(words);
 }
 
+/// Images whose words are common and rare, once and often shown, as BowVector allows.
+BowVector SkewedWords(std::mt19937_64* rng,
+                      std::uint64_t count = ScoredVocabulary()->word_count()) {
+  std::vector<WordId> words;
+  for (int i = 0; i < 30; ++i) {
+    const auto word = static_cast<WordId>((*rng)() % (1 + (*rng)() % count));
+    const std::size_t times = (*rng)() % 40 == 0 ? 300 : 1 + (*rng)() % 3;
+    words.insert(words.end(), times, word);
+  }
+  return CountWords(words);
+}
+
 class ScoredPlacesOf : public testing::TestWithParam<WordWeighting> {};
 
 /// The index against the plain functions of word_scoring.hpp.
@@ -69,24 +81,54 @@ TEST_P(ScoredPlacesOf, GivesWhatTheEquationsGive) {
   }
 }
 
+/// Also where slots are free, and words so many that they are cut into ranges.
+TEST_P(ScoredPlacesOf, GivesTheSameForManyAtOnce) {
+  ScoringOptions options;
+  options.weights = GetParam();
+  const auto vocabulary = Vocabulary::FromTree(test::RandomTree(17, 3, 7));
+  std::mt19937_64 rng(5);
+  ScoredPlaces one_by_one(options, vocabulary);
+  ScoredPlaces at_once(options, vocabulary);
+  for (int id = 0; id < 3; ++id) {
+    const BowVector bow = SkewedWords(&rng, vocabulary->word_count());
+    one_by_one.Add(id, bow, 0);
+    at_once.Add(id, bow, 0);
+  }
+  one_by_one.Remove(1, 0);
+  at_once.Remove(1, 0);
+  std::vector<BowVector> bows;
+  std::vector<WeightedBow> weighted;
+  for (int i = 0; i < 300; ++i) {
+    bows.push_back(SkewedWords(&rng, vocabulary->word_count()));
+    weighted.push_back(at_once.Weigh(bows.back()));
+  }
+  std::vector<WeighedImage> images;
+  for (std::size_t i = 0; i < bows.size(); ++i) {
+    one_by_one.Add(3 + static_cast<int>(i), bows[i], 0);
+    images.push_back({3 + static_cast<int>(i), &bows[i], &weighted[i]});
+  }
+  at_once.AddAll(images, 0);
+  std::size_t found = 0;
+  for (WordId word = 0; word < vocabulary->word_count(); ++word) {
+    const WeightedBow query = {{word, 1.0}};
+    const auto a = one_by_one.Query(query, 1000, 1000);
+    const auto b = at_once.Query(query, 1000, 1000);
+    ASSERT_EQ(a.size(), b.size()) << word;
+    found += a.size();
+    for (std::size_t k = 0; k < a.size(); ++k) {
+      EXPECT_EQ(a[k].id, b[k].id);
+      EXPECT_EQ(a[k].score, b[k].score);
+    }
+  }
+  EXPECT_GT(found, 5000U);
+}
+
 INSTANTIATE_TEST_SUITE_P(Weightings,
                          ScoredPlacesOf,
                          testing::Values(WordWeighting::kTfidf,
                                          WordWeighting::kPrinted,
                                          WordWeighting::kText,
                                          WordWeighting::kSynonym));
-
-/// Images whose words are common and rare, once and often shown, as BowVector allows.
-BowVector SkewedWords(std::mt19937_64* rng) {
-  const std::uint64_t count = ScoredVocabulary()->word_count();
-  std::vector<WordId> words;
-  for (int i = 0; i < 30; ++i) {
-    const auto word = static_cast<WordId>((*rng)() % (1 + (*rng)() % count));
-    const std::size_t times = (*rng)() % 40 == 0 ? 300 : 1 + (*rng)() % 3;
-    words.insert(words.end(), times, word);
-  }
-  return CountWords(words);
-}
 
 /// All places scored one by one, in single precision, word by word.
 class PlainPlaces {

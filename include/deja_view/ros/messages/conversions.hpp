@@ -24,6 +24,7 @@
 /// what was expected.
 namespace deja_view {
 
+/// A malformed stamp beyond what ToRosTime takes is the latest that it takes.
 std::int64_t ToNanoseconds(const ros::Time& stamp);
 /// Throws CheckError outside what ros::Time can hold (1970 to 2106).
 ros::Time ToRosTime(std::int64_t stamp_ns);

@@ -4,6 +4,7 @@
 #include "deja_view/fusion/loop_fusion.hpp"
 #include "deja_view/fusion/map_directory.hpp"
 #include "deja_view/fusion/match_samples.hpp"
+#include "deja_view/fusion/result_files.hpp"
 #include "deja_view/host/topic_watch.hpp"
 #include "deja_view/io/vins_config.hpp"
 #include "deja_view/ros/messages/tf_poses.hpp"
@@ -102,7 +103,7 @@ class LoopFusionNode {
   // Guarded by LoopFusion::WithLoopCloser, as on_keyframe is.
   int first_own_sequence_ = 0;
   int first_own_keyframe_ = 0;
-  std::vector<LoopReport> loops_;
+  std::vector<LoopRow> loops_;
   MatchSamples matches_;
 
   ErrorPolicy errors_{[this](const std::string& what) { OnProblem(what); }};  ///< of all callbacks

@@ -63,6 +63,11 @@ TEST(ConversionsTest, StampsKeepTheirNanoseconds) {
   }
   EXPECT_THROW(ToRosTime(-1), CheckError);
   EXPECT_THROW(ToRosTime(std::int64_t{5000000000} * 1000000000), CheckError);
+  ros::Time beyond;
+  beyond.sec = beyond.nsec = std::numeric_limits<std::uint32_t>::max();
+  const ros::Time latest = ToRosTime(ToNanoseconds(beyond));
+  EXPECT_EQ(latest.sec, beyond.sec);
+  EXPECT_EQ(latest.nsec, 999'999'999U);
 }
 
 TEST(ConversionsTest, PoseRoundTrip) {
