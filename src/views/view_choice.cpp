@@ -137,8 +137,7 @@ std::vector<ChosenViews> ViewChooser::Choose(
   std::size_t compared = 0;
   ParallelFor(threads, seen.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t q = begin; q < end; ++q) {
-      const double reach = Reach(*seen[q]);
-      const auto look = [&](const SeenSurface& known) {
+      const auto look = [&, reach = Reach(*seen[q])](const SeenSurface& known) {
         const bool is_near = (known.T_N_C.t - seen[q]->T_N_C.t).norm() <= reach;
         return is_near ? SameLook(*seen[q], known, gate_.small_camera(), choice_.look) : 0.0;
       };
