@@ -43,8 +43,8 @@ struct SameLookOptions {
 
 /// Share of what `query` sees that `known` shows as well, unhidden, each point weighed by how alike
 /// it looks: exp(-(angle / angle_deg)^2 - (ln(ratio of distances) / ln(zoom))^2), and 0 beyond 2.5
-/// times either, from a right angle on, and for what is beside or behind the camera. In [0, 1]; what
-/// is uncertain counts as unknown. Both are seen by `camera`.
+/// times either, from a right angle on, and for what is beside or behind the camera. In [0, 1];
+/// what is uncertain counts as unknown. Both are seen by `camera`.
 double SameLook(const SeenSurface& query,
                 const SeenSurface& known,
                 const Camera& camera,
