@@ -62,9 +62,14 @@ BinaryReader::BinaryReader(const std::filesystem::path& path, const BinaryFormat
   if (header.magic != format.magic) {
     ThrowInputError("{}: is not {} (its first bytes are others)", path_, format.what);
   }
-  if (header.version != format.version || header.reserved != 0) {
-    ThrowInputError("{}: version {}, expected {}", path_, header.version, format.version);
+  if (header.version < format.oldest || header.version > format.version || header.reserved != 0) {
+    ThrowInputError("{}: version {}, expected {}{}",
+                    path_,
+                    header.version,
+                    format.oldest == format.version ? "" : fmt::format("{} to ", format.oldest),
+                    format.version);
   }
+  version_ = header.version;
   size_ = left_ = file_size - kAround;
   if (header.body_size != size_) {
     ThrowInputError("{}: says {} bytes of content, has {}", path_, header.body_size, size_);
@@ -98,6 +103,14 @@ void BinaryReader::ReadBytes(void* to, std::size_t size, const char* field) {
   if (size > 0 && !stream_.read(static_cast<char*>(to), static_cast<std::streamsize>(size))) {
     Fail(field, "can't be read");
   }
+  left_ -= size;
+}
+
+void BinaryReader::Skip(std::uint64_t size, const char* field) {
+  if (size > left_) {
+    Fail(field, "the file ends too early");
+  }
+  stream_.seekg(static_cast<std::streamoff>(size), std::ios::cur);
   left_ -= size;
 }
 

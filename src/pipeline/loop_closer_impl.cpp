@@ -293,15 +293,16 @@ std::vector<LoopReport> LoopCloserImpl::LoopsAndJoints() const {
 
 void LoopCloserImpl::Save(const std::filesystem::path& directory) const {
   WriteMap(directory,
-           {DescriptorKind(options_.features), *camera_},
+           {DescriptorKind(options_.features), *camera_, places_},
            keyframes_,
            LoopsAndJoints(),
            shelf_.kept());
 }
 
-// To look the words up is most of the work, and the same on any number of threads.
-void LoopCloserImpl::AddLoadedPlaces() {
-  constexpr std::size_t kAtOnce = 4096;  // whose words wait for the index, some kB each
+// Where the map has no words, to look them up is most of the work, and the same on any number of
+// threads.
+void LoopCloserImpl::AddLoadedPlaces(std::vector<PackedBow> words) {
+  constexpr std::size_t kAtOnce = 8192;  // whose words wait for the index, some 5 kB each
   const KeyframeMap& keyframes = keyframes_;
   const std::vector<int>& places = keyframes.places();
   for (std::size_t first = 0; first < places.size(); first += kAtOnce) {
@@ -312,7 +313,8 @@ void LoopCloserImpl::AddLoadedPlaces() {
         added[i] = {place,
                     keyframes.node(place).sequence,
                     keyframes[place].stamp_ns,
-                    places_.Words(keyframes.features(place).descriptors)};
+                    words.empty() ? places_.PackedWords(keyframes.features(place).descriptors)
+                                  : std::move(words[first + i])};
       }
     });
     places_.AddAll(added);
@@ -320,8 +322,8 @@ void LoopCloserImpl::AddLoadedPlaces() {
 }
 
 void LoopCloserImpl::Load(const std::filesystem::path& directory) {
-  LoadedMap map =
-      ReadMap(directory, {DescriptorKind(options_.features), *camera_}, options_.pose_graph);
+  LoadedMap map = ReadMap(
+      directory, {DescriptorKind(options_.features), *camera_, places_}, options_.pose_graph);
   solve_.Finish(&keyframes_.graph());
   solve_.Reset();
   measurements_.TakeAll();
@@ -329,7 +331,7 @@ void LoopCloserImpl::Load(const std::filesystem::path& directory) {
   loops_ = LoopBook(options_.consistency, map.loops);
   places_.Clear();
   shelf_.Clear();
-  AddLoadedPlaces();
+  AddLoadedPlaces(std::move(map.words));
   for (const int place : keyframes_.places()) {
     const auto views = map.views.find(place);
     if (views != map.views.end()) {

@@ -87,7 +87,7 @@ class LoopCloserImpl {
                                    const NewKeyframe& current) const;
 
   /// Makes a loaded map's places known by their words.
-  void AddLoadedPlaces();
+  void AddLoadedPlaces(std::vector<PackedBow> words);
 
   NearbyPlace CameraOf(int keyframe) const;
   /// The cameras of all places in the newest keyframe's world.

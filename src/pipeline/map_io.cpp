@@ -1,6 +1,7 @@
 #include "map_io.hpp"
 
 #include "deja_view/base/binary_stream.hpp"
+#include "deja_view/base/parallel.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -13,8 +14,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Version 3: the head is base's, and the number of views always there.
-constexpr BinaryFormat kFormat{{'D', 'J', 'A', 'E', 'V', 'M', 'A', 'P'}, 3, "a saved map"};
+// Version 3: the head is base's, and the number of views always there. Version 4: the places'
+// words.
+constexpr std::uint32_t kWithWords = 4;
+constexpr BinaryFormat kFormat{
+    {'D', 'J', 'A', 'E', 'V', 'M', 'A', 'P'}, kWithWords, "a saved map", 3};
 constexpr const char* kFileName = "map.dvm";
 
 void CheckMaker(BinaryReader* in, const MapMaker& maker) {
@@ -79,6 +83,42 @@ ViewShelf::Views ReadViews(BinaryReader* in, std::size_t keyframe_count) {
   return all;
 }
 
+void WriteAllWords(const KeyframeMap& keyframes, const PlaceFinder& finder, BinaryWriter* out) {
+  constexpr std::size_t kAtOnce = 4096;  // whose words wait to be written, some 5 kB each
+  const std::vector<int>& places = keyframes.places();
+  out->Write(finder.words_identity());
+  for (std::size_t first = 0; first < places.size(); first += kAtOnce) {
+    std::vector<PackedBow> words(std::min(kAtOnce, places.size() - first));
+    ParallelFor(0, words.size(), [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        words[i] = finder.PackedWords(keyframes.features(places[first + i]).descriptors);
+      }
+    });
+    for (const PackedBow& its : words) {
+      WriteWords(its, out);
+    }
+  }
+}
+
+std::vector<PackedBow> ReadAllWords(BinaryReader* in,
+                                    const std::vector<StoredKeyframe>& keyframes,
+                                    const PlaceFinder& finder) {
+  if (in->version() < kWithWords) {
+    return {};
+  }
+  if (in->Read<std::uint64_t>("words' maker") != finder.words_identity()) {
+    in->Skip(in->left(), "words");
+    return {};
+  }
+  std::vector<PackedBow> words;
+  for (const StoredKeyframe& keyframe : keyframes) {
+    if (keyframe.is_place) {
+      words.push_back(ReadWords(in, keyframe.features.descriptors.size(), finder));
+    }
+  }
+  return words;
+}
+
 std::uint64_t CountViews(const ViewShelf::Views& views) {
   std::uint64_t count = 0;
   for (const auto& [keyframe, its] : views) {
@@ -112,6 +152,7 @@ void WriteMap(const fs::path& directory,
         WriteView(keyframe, view, out);
       }
     }
+    WriteAllWords(keyframes, maker.finder, out);
   });
 }
 
@@ -126,14 +167,17 @@ LoadedMap ReadMap(const fs::path& directory,
   std::vector<LoopReport> reports;
   const std::vector<PoseGraphLoop> loops = ReadLoops(&in, keyframes, &reports);
   ViewShelf::Views views = ReadViews(&in, keyframes.size());
+  std::vector<PackedBow> words = ReadAllWords(&in, keyframes, maker.finder);
   in.Finish();
   std::vector<PoseGraph::Part> parts;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     parts.push_back({nodes[i], keyframes[i].is_place});
   }
   PoseGraph graph = PoseGraph::FromParts(options, parts, loops);
-  return {
-      KeyframeMap(std::move(keyframes), std::move(graph)), std::move(reports), std::move(views)};
+  return {KeyframeMap(std::move(keyframes), std::move(graph)),
+          std::move(reports),
+          std::move(views),
+          std::move(words)};
 }
 
 }  // namespace deja_view

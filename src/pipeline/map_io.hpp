@@ -8,14 +8,17 @@
 #include <vector>
 
 #include "keyframe_map.hpp"
+#include "place_finder.hpp"
 #include "view_shelf.hpp"
 
 namespace deja_view {
 
-/// What a map's features were made with; a map fits no other.
+/// What a map's features were made with; a map fits no other. Only their words are looked up anew
+/// where `finder` has another vocabulary or weighting.
 struct MapMaker {
   std::string descriptor_name;
   const Camera& camera;
+  const PlaceFinder& finder;
 };
 
 /// A map as read from its file.
@@ -23,6 +26,8 @@ struct LoadedMap {
   KeyframeMap keyframes;
   std::vector<LoopReport> loops;
   ViewShelf::Views views;
+  /// Of the places, in their order; empty where the file has none that the finder would look up.
+  std::vector<PackedBow> words;
 };
 
 /// Writes a map to `directory`/map.dvm, whole or not at all. `loops` tell which sequences are

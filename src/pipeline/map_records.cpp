@@ -43,11 +43,9 @@ std::vector<Eigen::Matrix<float, N, 1>> ReadVectors(BinaryReader* in, const char
   const auto flat = in->ReadAll<float>(field);
   std::vector<Eigen::Matrix<float, N, 1>> vectors(flat.size() / N);
   for (std::size_t i = 0; i < vectors.size(); ++i) {
-    for (int k = 0; k < N; ++k) {
-      vectors[i][k] = flat[i * N + static_cast<std::size_t>(k)];
-      if (!std::isfinite(vectors[i][k])) {
-        in->Fail(field, "not finite");
-      }
+    vectors[i] = Eigen::Map<const Eigen::Matrix<float, N, 1>>(&flat[i * N]);
+    if (!vectors[i].allFinite()) {
+      in->Fail(field, "not finite");
     }
   }
   return vectors;
@@ -206,6 +204,41 @@ StoredView ReadView(BinaryReader* in, std::size_t keyframe_count, int* keyframe)
     }
   }
   return view;
+}
+
+void WriteWords(const PackedBow& words, BinaryWriter* out) {
+  out->WriteAll(words.words);
+  out->WriteAll(words.counts);
+  out->WriteAll(words.weights);
+}
+
+PackedBow ReadWords(BinaryReader* in, std::size_t descriptor_count, const PlaceFinder& finder) {
+  PackedBow words;
+  words.words = in->ReadAll<WordId>("words");
+  words.counts = in->ReadAll<std::uint16_t>("word counts");
+  words.weights = in->ReadAll<float>("word weights");
+  if (words.counts.size() != words.words.size() ||
+      words.weights.size() != (finder.weighs_words() ? words.words.size() : 0)) {
+    in->Fail("words", "lists of different lengths");
+  }
+  const std::size_t vocabulary_size = finder.vocabulary_size();
+  std::size_t counted = 0;
+  for (std::size_t i = 0; i < words.words.size(); ++i) {
+    const bool is_sorted = i == 0 || words.words[i - 1] < words.words[i];
+    if (!is_sorted || words.words[i] >= vocabulary_size || words.counts[i] == 0) {
+      in->Fail("words", "not of the vocabulary, each once and in their order");
+    }
+    counted += words.counts[i];
+  }
+  if (counted != descriptor_count) {
+    in->Fail("word counts", "not those of the descriptors");
+  }
+  const auto is_weight = [](float weight) { return weight >= 0 && weight <= 1.0001F; };
+  if (!std::all_of(words.weights.begin(), words.weights.end(), is_weight)) {
+    in->Fail("word weights", "not those of a vector of length 1");
+  }
+  words.descriptor_count = static_cast<std::uint32_t>(descriptor_count);
+  return words;
 }
 
 }  // namespace deja_view

@@ -5,6 +5,7 @@
 
 #include "keyframe_map.hpp"
 #include "loop_book.hpp"
+#include "place_finder.hpp"
 #include "stored_view.hpp"
 
 namespace deja_view {
@@ -28,5 +29,9 @@ PoseGraphLoop ReadLoop(BinaryReader* in,
 void WriteView(int keyframe, const StoredView& view, BinaryWriter* out);
 /// A view of one of `keyframe_count` keyframes.
 StoredView ReadView(BinaryReader* in, std::size_t keyframe_count, int* keyframe);
+
+void WriteWords(const PackedBow& words, BinaryWriter* out);
+/// Words that `finder` might have looked up for an image with so many descriptors.
+PackedBow ReadWords(BinaryReader* in, std::size_t descriptor_count, const PlaceFinder& finder);
 
 }  // namespace deja_view

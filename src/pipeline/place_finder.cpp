@@ -1,9 +1,12 @@
 #include "place_finder.hpp"
 
 #include "deja_view/base/check.hpp"
+#include "deja_view/base/hash.hpp"
 
 #include <algorithm>
 #include <utility>
+
+#include <fmt/format.h>
 
 namespace deja_view {
 namespace {
@@ -31,8 +34,22 @@ PlaceFinder::PlaceFinder(const PlaceDatabaseOptions& place,
   empty_bytes_ = memory_bytes();
 }
 
+std::uint64_t PlaceFinder::words_identity() const {
+  return Hash64(scoring_.is_on ? fmt::format("{} {} {} {:a}",
+                                             vocabulary_->identity(),
+                                             static_cast<int>(scoring_.weights),
+                                             scoring_.synonym_radius,
+                                             scoring_.synonym_sigma)
+                               : fmt::format("{}", vocabulary_->identity()));
+}
+
 ImageWords PlaceFinder::Words(const std::vector<Descriptor>& descriptors) const {
   return Weighted(Bag(descriptors));
+}
+
+PackedBow PlaceFinder::PackedWords(const std::vector<Descriptor>& descriptors) const {
+  const ImageWords words = Words(descriptors);
+  return Pack(words.bow, words.weighted);
 }
 
 ImageWords PlaceFinder::Weighted(BowVector bow) const {
@@ -62,16 +79,16 @@ void PlaceFinder::Add(int keyframe, int sequence, std::int64_t stamp_ns, const I
 void PlaceFinder::AddAll(const std::vector<NewPlace>& places) {
   if (!scored_) {
     for (const NewPlace& place : places) {
-      Add(place.keyframe, place.sequence, place.stamp_ns, place.words);
+      Add(place.keyframe, place.sequence, place.stamp_ns, {CountsOf(place.words), {}});
     }
     return;
   }
   std::vector<WeighedImage> images;
   for (const NewPlace& place : places) {
     DEJA_VIEW_CHECK(entries_.empty() || entries_.back().keyframe < place.keyframe);
-    images.push_back({place.keyframe, &place.words.bow, &place.words.weighted});
+    images.push_back({place.keyframe, &place.words});
     entries_.push_back({place.keyframe, place.sequence, place.stamp_ns});
-    place_words_ += place.words.bow.entries.size();
+    place_words_ += place.words.words.size();
   }
   scored_->AddAll(images, kRealImage);
 }

@@ -27,7 +27,7 @@ struct NewPlace {
   int keyframe = -1;
   int sequence = 0;
   std::int64_t stamp_ns = 0;
-  ImageWords words;
+  PackedBow words;
 };
 
 /// A keyframe whose place is sought.
@@ -58,8 +58,13 @@ class PlaceFinder {
   BowVector Bag(const std::vector<Descriptor>& descriptors) const {
     return vocabulary_->Bag(descriptors);
   }
+  /// Of all that Words depends on but the descriptors: the vocabulary and the weighting.
+  std::uint64_t words_identity() const;
+  std::size_t vocabulary_size() const { return vocabulary_->word_count(); }
+  bool weighs_words() const { return scored_.has_value(); }
   /// May be called from several threads.
   ImageWords Words(const std::vector<Descriptor>& descriptors) const;
+  PackedBow PackedWords(const std::vector<Descriptor>& descriptors) const;
 
   /// Adds a place by its real image, of which `words` are all Words. Keyframes come in their order:
   /// a lower index is older.

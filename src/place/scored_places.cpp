@@ -74,7 +74,7 @@ class ScoredPlaces::Impl {
   Impl(const ScoringOptions& options, std::shared_ptr<const Vocabulary> vocabulary);
 
   void Add(int id, const BowVector& bow, const WeightedBow& weighted, int tag) {
-    Own(id, tag, index_.Add(bow, weighted));
+    Own(id, tag, index_.Add(Pack(bow, weighted)));
   }
   void AddAll(const std::vector<WeighedImage>& images, int tag);
   void Remove(int id, int tag);
@@ -136,10 +136,10 @@ WeightedBow ScoredPlaces::Impl::Weigh(const BowVector& bow) const {
 }
 
 void ScoredPlaces::Impl::AddAll(const std::vector<WeighedImage>& images, int tag) {
-  std::vector<internal::WeighedBow> words;
+  std::vector<const PackedBow*> words;
   words.reserve(images.size());
   for (const WeighedImage& image : images) {
-    words.push_back({*image.bow, *image.weighted});
+    words.push_back(image.words);
   }
   const std::vector<std::uint32_t> slots = index_.AddAll(words);
   for (std::size_t i = 0; i < images.size(); ++i) {

@@ -21,6 +21,13 @@ std::uint32_t Counted(std::uint32_t count) {
   return std::min(count, kMaxCount);
 }
 
+/// Of a word by an image.
+struct Mention {
+  WordId word;
+  std::uint32_t image;
+  std::uint32_t count;
+};
+
 // Of `terms` numbers none of which is negative, added in single precision, and a few products.
 double RoundingOf(std::size_t terms) {
   return 1.0 + static_cast<double>(terms + 8) * double{std::numeric_limits<float>::epsilon()};
@@ -28,22 +35,30 @@ double RoundingOf(std::size_t terms) {
 
 }  // namespace
 
-PackedWords::PackedWords(const WeightedBow& words) {
-  std::vector<std::uint16_t> steps;
-  std::vector<float> weights;
+PackedWords::PackedWords(const PackedBow& bow) {
+  std::size_t kept = 0;
+  std::size_t long_steps = 0;
   WordId last = 0;
-  for (const WeightedWord& w : words) {
-    if (static_cast<float>(w.weight) > 0) {
-      for (; w.word - last >= kLongStep; last += kLongStep) {
-        steps.push_back(kLongStep);
-      }
-      steps.push_back(static_cast<std::uint16_t>(w.word - last));
-      weights.push_back(static_cast<float>(w.weight));
-      last = w.word;
+  for (std::size_t i = 0; i < bow.words.size(); ++i) {
+    if (bow.weights[i] > 0) {
+      ++kept;
+      long_steps += (bow.words[i] - last) / kLongStep;
+      last = bow.words[i];
     }
   }
-  steps_.assign(steps.begin(), steps.end());  // without reserves
-  weights_.assign(weights.begin(), weights.end());
+  steps_.reserve(kept + long_steps);
+  weights_.reserve(kept);
+  last = 0;
+  for (std::size_t i = 0; i < bow.words.size(); ++i) {
+    if (bow.weights[i] > 0) {
+      for (; bow.words[i] - last >= kLongStep; last += kLongStep) {
+        steps_.push_back(kLongStep);
+      }
+      steps_.push_back(static_cast<std::uint16_t>(bow.words[i] - last));
+      weights_.push_back(bow.weights[i]);
+      last = bow.words[i];
+    }
+  }
 }
 
 WeightedIndex::WeightedIndex(std::shared_ptr<const Vocabulary> vocabulary)
@@ -61,38 +76,34 @@ std::uint32_t WeightedIndex::TakeSlot() {
   return slot_count() - 1;
 }
 
-std::uint32_t WeightedIndex::Add(const BowVector& bow, const WeightedBow& words) {
-  DEJA_VIEW_CHECK_OP(bow.entries.size(), ==, words.size());
+std::uint32_t WeightedIndex::Add(const PackedBow& bow) {
+  DEJA_VIEW_CHECK_OP(bow.weights.size(), ==, bow.words.size());
   const std::uint32_t slot = TakeSlot();
-  Fill(slot, bow, words);
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    Name(slot, slot_count(), bow.entries[i], words[i].weight);
+  Fill(slot, bow);
+  for (std::size_t i = 0; i < bow.words.size(); ++i) {
+    if (bow.weights[i] > 0) {
+      Name(slot, slot_count(), bow.words[i], bow.counts[i]);
+    }
   }
   return slot;
 }
 
-void WeightedIndex::Fill(std::uint32_t slot, const BowVector& bow, const WeightedBow& words) {
+void WeightedIndex::Fill(std::uint32_t slot, const PackedBow& bow) {
   double scale = 0;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    if (static_cast<float>(words[i].weight) > 0) {
-      const std::uint32_t count = Counted(bow.entries[i].count);
-      scale = std::max(scale, words[i].weight / (count * double{vocabulary_->Idf(words[i].word)}));
+  for (std::size_t i = 0; i < bow.words.size(); ++i) {
+    if (bow.weights[i] > 0) {
+      const std::uint32_t count = Counted(bow.counts[i]);
+      scale = std::max(scale, bow.weights[i] / (count * double{vocabulary_->Idf(bow.words[i])}));
     }
   }
-  slots_[slot] = PackedWords(words);
+  slots_[slot] = PackedWords(bow);
   scales_[slot] = static_cast<float>(scale);
 }
 
 // `slots` is how many there were when the slot was taken.
-void WeightedIndex::Name(std::uint32_t slot,
-                         std::uint32_t slots,
-                         const WordCount& entry,
-                         double weight) {
-  if (!(static_cast<float>(weight) > 0)) {
-    return;
-  }
-  const std::uint32_t count = Counted(entry.count);
-  Word& word = words_.at(entry.word);
+void WeightedIndex::Name(std::uint32_t slot, std::uint32_t slots, WordId id, std::uint32_t shown) {
+  const std::uint32_t count = Counted(shown);
+  Word& word = words_.at(id);
   word.all.Add(slot, slots);
   if (count > 1) {
     word.twice.Add(slot, slots);
@@ -102,34 +113,40 @@ void WeightedIndex::Name(std::uint32_t slot,
   }
 }
 
-// Words are cut into ranges, each small enough for a core's cache: within one, images come in their
-// order, so that each word gets the slots that it gets by one Add after the other.
-std::vector<std::uint32_t> WeightedIndex::AddAll(const std::vector<WeighedBow>& images) {
+// Words are cut into ranges, each small enough for a core's cache, and what images say of a range
+// is gathered first. Within a range images come in their order, so that each word gets the slots
+// that it gets by one Add after the other.
+std::vector<std::uint32_t> WeightedIndex::AddAll(const std::vector<const PackedBow*>& images) {
+  constexpr std::size_t kRange = 2048;  // words
+  constexpr std::size_t kPart = 64;     // images
   std::vector<std::uint32_t> slots;
   std::vector<std::uint32_t> counts;
-  for (const WeighedBow& image : images) {
-    DEJA_VIEW_CHECK_OP(image.bow.entries.size(), ==, image.words.size());
-    DEJA_VIEW_CHECK(image.bow.entries.empty() || image.bow.entries.back().word < words_.size());
+  for (const PackedBow* image : images) {
+    DEJA_VIEW_CHECK_OP(image->weights.size(), ==, image->words.size());
+    DEJA_VIEW_CHECK(image->words.empty() || image->words.back() < words_.size());
     slots.push_back(TakeSlot());
     counts.push_back(slot_count());
   }
-  ParallelFor(0, images.size(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      Fill(slots[i], images[i].bow, images[i].words);
+  const std::size_t ranges = (words_.size() + kRange - 1) / kRange;
+  const std::size_t parts = (images.size() + kPart - 1) / kPart;
+  std::vector<std::vector<Mention>> mentions(parts * ranges);
+  ParallelFor(0, parts, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin * kPart; i < std::min(end * kPart, images.size()); ++i) {
+      const PackedBow& bow = *images[i];
+      Fill(slots[i], bow);
+      for (std::size_t k = 0; k < bow.words.size(); ++k) {
+        if (bow.weights[k] > 0) {
+          mentions[i / kPart * ranges + bow.words[k] / kRange].push_back(
+              {bow.words[k], static_cast<std::uint32_t>(i), bow.counts[k]});
+        }
+      }
     }
   });
-  constexpr std::size_t kRange = 2048;  // words
-  ParallelFor(0, (words_.size() + kRange - 1) / kRange, [&](std::size_t begin, std::size_t end) {
+  ParallelFor(0, ranges, [&](std::size_t begin, std::size_t end) {
     for (std::size_t range = begin; range < end; ++range) {
-      for (std::size_t i = 0; i < images.size(); ++i) {
-        const std::vector<WordCount>& entries = images[i].bow.entries;
-        auto entry = std::lower_bound(
-            entries.begin(), entries.end(), kRange * range, [](const WordCount& a, std::size_t b) {
-              return a.word < b;
-            });
-        for (; entry != entries.end() && entry->word < kRange * (range + 1); ++entry) {
-          const auto k = static_cast<std::size_t>(entry - entries.begin());
-          Name(slots[i], counts[i], *entry, images[i].words[k].weight);
+      for (std::size_t part = 0; part < parts; ++part) {
+        for (const Mention& m : mentions[part * ranges + range]) {
+          Name(slots[m.image], counts[m.image], m.word, m.count);
         }
       }
     }

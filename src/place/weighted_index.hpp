@@ -1,5 +1,6 @@
 #pragma once
 
+#include "deja_view/place/packed_bow.hpp"
 #include "deja_view/place/word_scoring.hpp"
 #include "deja_view/vocabulary/bow_vector.hpp"
 #include "deja_view/vocabulary/vocabulary.hpp"
@@ -16,8 +17,8 @@ namespace deja_view::internal {
 /// Weighted words, six bytes each: steps from word to word, and weights.
 class PackedWords {
  public:
-  /// Keeps the words whose weight is above 0. `words` are sorted, each once.
-  explicit PackedWords(const WeightedBow& words = {});
+  /// Keeps the words whose weight is above 0.
+  explicit PackedWords(const PackedBow& bow = {});
 
   /// Calls f(word, weight), words in their order.
   template <typename F>
@@ -43,12 +44,6 @@ class PackedWords {
   std::vector<float> weights_;
 };
 
-/// An image's words, and the same weighted.
-struct WeighedBow {
-  const BowVector& bow;
-  const WeightedBow& words;
-};
-
 /// Images by their weighted words: each word names the images (slots) that show it, each image its
 /// words, so that few images need be compared word by word.
 ///
@@ -60,10 +55,10 @@ class WeightedIndex {
  public:
   explicit WeightedIndex(std::shared_ptr<const Vocabulary> vocabulary);
 
-  /// The slot that it takes, which was free. `words` are `bow`'s, weighted.
-  std::uint32_t Add(const BowVector& bow, const WeightedBow& words);
+  /// The slot that it takes, which was free. `bow` is weighted.
+  std::uint32_t Add(const PackedBow& bow);
   /// The same as one Add after the other: many images at once find a word's slots in the cache.
-  std::vector<std::uint32_t> AddAll(const std::vector<WeighedBow>& images);
+  std::vector<std::uint32_t> AddAll(const std::vector<const PackedBow*>& images);
   void Remove(std::uint32_t slot);
   void Clear();
 
@@ -89,8 +84,8 @@ class WeightedIndex {
   };
 
   std::uint32_t TakeSlot();
-  void Fill(std::uint32_t slot, const BowVector& bow, const WeightedBow& words);
-  void Name(std::uint32_t slot, std::uint32_t slots, const WordCount& entry, double weight);
+  void Fill(std::uint32_t slot, const PackedBow& bow);
+  void Name(std::uint32_t slot, std::uint32_t slots, WordId id, std::uint32_t shown);
   void Prefetch(const WeightedBow& query, std::size_t i) const;
 
   std::shared_ptr<const Vocabulary> vocabulary_;

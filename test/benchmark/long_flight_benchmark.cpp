@@ -84,6 +84,7 @@ class BackAndForth {
       point.p_W = T_seen_recorded * point.p_W;
       point.feature_id += std::int64_t{1'000'000} * leg;
     }
+    seen.image = cv::Mat();  // not into the recorded one, which would get noisier with every pass
     cv::add(recorded.image, Noise(flown_ % kNoises), seen.image, cv::noArray(), CV_8U);
     return seen;
   }

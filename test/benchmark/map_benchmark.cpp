@@ -61,16 +61,18 @@ KeyframeFeatures MakePlaceFeatures(const Vocabulary& vocabulary, std::mt19937_64
 void WriteLongMap(const fs::path& directory,
                   int places,
                   const Camera& camera,
-                  const Vocabulary& vocabulary) {
+                  const std::shared_ptr<const Vocabulary>& vocabulary) {
   std::mt19937_64 rng(1);
   KeyframeMap keyframes{PoseGraphOptions{}};
   for (int i = 0; i < places; ++i) {
     StoredKeyframe keyframe;
     keyframe.stamp_ns = 1'600'000'000'000'000'000 + std::int64_t{500'000'000} * i;
     keyframes.Add(keyframe, 0, {Eigen::Quaterniond::Identity(), {0.5 * i, 0, 1}});
-    keyframes.MakePlace(MakePlaceFeatures(vocabulary, &rng));
+    keyframes.MakePlace(MakePlaceFeatures(*vocabulary, &rng));
   }
-  WriteMap(directory, {DescriptorKind(FeatureOptions()), camera}, keyframes, {}, {});
+  const LoopCloserOptions options;
+  const PlaceFinder finder(options.place, options.scoring, options.candidates, vocabulary);
+  WriteMap(directory, {DescriptorKind(FeatureOptions()), camera, finder}, keyframes, {}, {});
 }
 
 void BM_Load(benchmark::State& state) {
@@ -79,7 +81,7 @@ void BM_Load(benchmark::State& state) {
   const auto camera = MakeBenchmarkCamera();
   const fs::path directory =
       fs::temp_directory_path() / ("deja_view_map_benchmark_" + std::to_string(::getpid()));
-  WriteLongMap(directory, places, *camera, *vocabulary);
+  WriteLongMap(directory, places, *camera, vocabulary);
   const double file_kb = static_cast<double>(fs::file_size(directory / "map.dvm")) / 1024;
   for (auto _ : state) {
     const double before_kb = test::ResidentKb();

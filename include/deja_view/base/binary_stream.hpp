@@ -21,7 +21,8 @@ namespace deja_view {
 struct BinaryFormat {
   std::array<char, 8> magic;
   std::uint32_t version;
-  const char* what;  ///< "a saved map", for messages
+  const char* what;                ///< "a saved map", for messages
+  std::uint32_t oldest = version;  ///< version that can still be read
 };
 
 /// Writes the body of a binary file; also a visitor of structs with Visit.
@@ -115,8 +116,12 @@ class BinaryReader {
   void Finish() const;
   [[noreturn]] void Fail(const char* field, std::string_view what) const;
 
+  /// Passes over bytes of the body.
+  void Skip(std::uint64_t size, const char* field);
+
   /// Bytes of the body that have not been read.
   std::uint64_t left() const { return left_; }
+  std::uint32_t version() const { return version_; }
   const std::string& path() const { return path_; }
 
  private:
@@ -124,6 +129,7 @@ class BinaryReader {
 
   std::string path_;
   std::ifstream stream_;
+  std::uint32_t version_ = 0;
   std::uint64_t size_ = 0;
   std::uint64_t left_ = 0;
 };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "deja_view/place/packed_bow.hpp"
 #include "deja_view/place/word_scoring.hpp"
 
 #include <cstddef>
@@ -46,11 +47,10 @@ struct ScoredPlace {
   double score = 0;         ///< combined (CombineScores)
 };
 
-/// A keyframe's words, and what Weigh gives for them.
+/// A keyframe's words, packed with the weights that Weigh gives for them.
 struct WeighedImage {
   int id = -1;
-  const BowVector* bow = nullptr;
-  const WeightedBow* weighted = nullptr;
+  const PackedBow* words = nullptr;
 };
 
 /// Weighted words of past keyframes, scored as the paper does. Weights are those of the

@@ -84,10 +84,27 @@ TEST_F(BinaryStreamTest, SaysWhatIsWrong) {
   EXPECT_THAT(Refusal(), HasSubstr("can't be opened"));
   WriteSample();
   BinaryFormat other = kFormat;
-  other.version = 4;
+  other.version = other.oldest = 4;
   EXPECT_THAT(Refusal(other), HasSubstr("version 3, expected 4"));
   other.magic[0] = 'X';
   EXPECT_THAT(Refusal(other), HasSubstr("is not a test"));
+}
+
+TEST_F(BinaryStreamTest, ReadsOlderVersionsThatItKnows) {
+  WriteSample();
+  BinaryFormat newer = kFormat;
+  newer.version = 5;
+  newer.oldest = 3;
+  EXPECT_EQ(BinaryReader(path_, newer).version(), 3U);
+  newer.oldest = 4;
+  EXPECT_THAT(Refusal(newer), HasSubstr("version 3, expected 4 to 5"));
+}
+
+TEST_F(BinaryStreamTest, PassesOverWhatIsNotNeeded) {
+  BinaryReader in(WriteSample(), kFormat);
+  in.Skip(in.left() - sizeof(std::int64_t), "all but the last");
+  EXPECT_EQ(in.Read<std::int64_t>("last"), -5);
+  EXPECT_THROW(in.Skip(1, "more"), InputError);
 }
 
 TEST_F(BinaryStreamTest, AllocatesNoMoreThanTheFileHolds) {

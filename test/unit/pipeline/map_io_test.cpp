@@ -2,6 +2,7 @@
 #include "deja_view/base/hash.hpp"
 #include "deja_view/pipeline/loop_closer.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <cstring>
@@ -10,6 +11,7 @@
 #include <iterator>
 #include <random>
 
+#include "place_finder.hpp"
 #include "small_flight.hpp"
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -41,6 +43,47 @@ std::string WithBody(const std::string& map, const std::string& body) {
   std::memcpy(file.data() + kHead - sizeof(size), &size, sizeof(size));
   std::memcpy(file.data() + kHead + body.size(), &hash, sizeof(hash));
   return file;
+}
+
+/// Where the places' words begin in a map's body.
+std::size_t WordsOf(const std::string& body) {
+  const LoopCloserOptions options = test::FlightOptions();
+  const PlaceFinder finder(
+      options.place, options.scoring, options.candidates, test::FlightVocabulary());
+  const std::uint64_t identity = finder.words_identity();
+  std::string bytes(sizeof(identity), '\0');
+  std::memcpy(bytes.data(), &identity, sizeof(identity));
+  return body.rfind(bytes);
+}
+
+/// A map as version 3 had it.
+std::string WithoutWords(const std::string& map) {
+  const std::string body = BodyOf(map);
+  std::string old = WithBody(map, body.substr(0, WordsOf(body)));
+  old[8] = 3;
+  return old;
+}
+
+/// Of a list of entries of `size` bytes, with its own length.
+std::size_t LengthAt(const std::string& body, std::size_t at, std::size_t size) {
+  std::uint64_t count = 0;
+  std::memcpy(&count, &body[at], sizeof(count));
+  return sizeof(count) + count * size;
+}
+
+/// A map whose places have words without weight.
+std::string WithForgedWords(const std::string& map) {
+  std::string body = BodyOf(map);
+  std::size_t at = WordsOf(body) + sizeof(std::uint64_t);
+  while (at < body.size()) {
+    // Words and counts stay.
+    at += LengthAt(body, at, sizeof(WordId));
+    at += LengthAt(body, at, sizeof(std::uint16_t));
+    const std::size_t length = LengthAt(body, at, sizeof(float));
+    std::fill_n(&body[at + sizeof(std::uint64_t)], length - sizeof(std::uint64_t), '\0');
+    at += length;
+  }
+  return WithBody(map, body);
 }
 
 class MapIo : public testing::Test {
@@ -224,10 +267,11 @@ TEST_F(MapIo, SurvivesForgedFiles) {
   std::mt19937 rng(1);
   int refused = 0;
   for (int run = 0; run < 150; ++run) {
-    // The first kilobyte holds counts and poses, the rest mostly descriptors.
+    // The first bytes hold counts and poses, the last words, the rest mostly descriptors.
     const std::size_t range = run % 3 == 0 ? body.size() : 256;
+    const std::size_t at = rng() % range;
     std::string forged = body;
-    forged[rng() % range] = static_cast<char>(rng() % 256);
+    forged[run % 3 == 1 ? body.size() - 1 - at : at] = static_cast<char>(rng() % 256);
     WriteMap(WithBody(map, forged));
     LoopCloser closer = MakeCloser(1);
     try {
@@ -249,6 +293,49 @@ TEST_F(MapIo, RefusesAnotherCamerasMap) {
                    flight.T_B_C,
                    test::FlightVocabulary());
   ExpectRefused(map, "image size", &other);
+}
+
+TEST_F(MapIo, KeepsThePlacesWords) {
+  const std::string map = SmallMap();
+  const KeyframeInput& keyframe = SmallFlight(1).keyframes[1];
+  const auto score = [&](const std::string& bytes, const LoopCloserOptions& options) {
+    WriteMap(bytes);
+    LoopCloser closer = MakeCloser(1, options);
+    closer.Load(directory_);
+    const KeyframeReport report = closer.AddKeyframe(keyframe);
+    return report.best_place ? report.best_place->score : 0.0;
+  };
+  const LoopCloserOptions same = test::FlightOptions();
+  EXPECT_GT(score(map, same), 0.5);
+  EXPECT_EQ(score(WithoutWords(map), same), score(map, same)) << "looked up";
+  EXPECT_EQ(score(WithForgedWords(map), same), 0.0) << "not looked up";
+  LoopCloserOptions other = same;
+  other.scoring.synonym_radius = 20;
+  EXPECT_EQ(score(WithForgedWords(map), other), score(WithoutWords(map), other));
+  other.scoring.is_on = false;
+  EXPECT_EQ(score(WithForgedWords(map), other), score(WithoutWords(map), other));
+}
+
+TEST_F(MapIo, RefusesWordsThatCannotBe) {
+  const std::string map = SmallMap();
+  const std::string body = BodyOf(map);
+  LoopCloser closer = WithOneKeyframe();
+  const auto refuse = [&](std::size_t at, auto value, const std::string& why) {
+    std::string forged = body;
+    std::memcpy(&forged[at], &value, sizeof(value));
+    ExpectRefused(WithBody(map, forged), why, &closer);
+  };
+  const std::size_t words = WordsOf(body) + sizeof(std::uint64_t);
+  const std::size_t counts = words + LengthAt(body, words, sizeof(WordId));
+  const std::size_t weights = counts + LengthAt(body, counts, sizeof(std::uint16_t));
+  constexpr std::size_t kFirst = sizeof(std::uint64_t);
+  refuse(words + kFirst, std::uint32_t{0xffffff}, "words: not of the vocabulary");
+  refuse(words + kFirst + sizeof(WordId), std::uint32_t{0}, "words: not of the");
+  refuse(counts + kFirst, std::uint16_t{0}, "words: not of the vocabulary");
+  refuse(counts + kFirst, std::uint16_t{999}, "word counts: not those of the descriptors");
+  refuse(weights + kFirst, -0.5F, "word weights: not those");
+  refuse(weights + kFirst, NAN, "word weights: not those");
+  refuse(weights, std::uint64_t{0}, "words: lists of different lengths");
 }
 
 TEST_F(MapIo, NamesAMissingMap) {

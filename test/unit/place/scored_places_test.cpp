@@ -97,15 +97,15 @@ TEST_P(ScoredPlacesOf, GivesTheSameForManyAtOnce) {
   one_by_one.Remove(1, 0);
   at_once.Remove(1, 0);
   std::vector<BowVector> bows;
-  std::vector<WeightedBow> weighted;
+  std::vector<PackedBow> packed;
   for (int i = 0; i < 300; ++i) {
     bows.push_back(SkewedWords(&rng, vocabulary->word_count()));
-    weighted.push_back(at_once.Weigh(bows.back()));
+    packed.push_back(Pack(bows.back(), at_once.Weigh(bows.back())));
   }
   std::vector<WeighedImage> images;
   for (std::size_t i = 0; i < bows.size(); ++i) {
     one_by_one.Add(3 + static_cast<int>(i), bows[i], 0);
-    images.push_back({3 + static_cast<int>(i), &bows[i], &weighted[i]});
+    images.push_back({3 + static_cast<int>(i), &packed[i]});
   }
   at_once.AddAll(images, 0);
   std::size_t found = 0;
