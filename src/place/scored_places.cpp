@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <utility>
 
+#include "top_k.hpp"
 #include "weighted_index.hpp"
 
 namespace deja_view {
@@ -27,42 +27,21 @@ std::vector<std::string> ScoringOptions::Validate() const {
 
 namespace {
 
-/// Keeps the best places of those offered.
-class BestPlaces {
- public:
-  explicit BestPlaces(std::size_t count) : count_(count) {}
-
-  /// A place whose score is below this can't be among them any more.
-  double threshold() const { return heap_.size() < count_ ? 0.0 : heap_.front().score; }
-
-  void Offer(const ScoredPlace& place) {
-    if (!(std::max(place.original, place.virtual_view) > 0)) {
-      return;
-    }
-    if (heap_.size() == count_) {
-      if (!IsBetter(place, heap_.front())) {
-        return;
-      }
-      std::pop_heap(heap_.begin(), heap_.end(), &IsBetter);
-      heap_.pop_back();
-    }
-    heap_.push_back(place);
-    std::push_heap(heap_.begin(), heap_.end(), &IsBetter);
-  }
-
-  /// Best first.
-  std::vector<ScoredPlace> Take() {
-    std::sort_heap(heap_.begin(), heap_.end(), &IsBetter);
-    return std::move(heap_);
-  }
-
- private:
-  static bool IsBetter(const ScoredPlace& a, const ScoredPlace& b) {
+struct IsBetter {
+  bool operator()(const ScoredPlace& a, const ScoredPlace& b) const {
     return a.score != b.score ? a.score > b.score : a.id < b.id;
   }
+};
 
-  std::size_t count_;
-  std::vector<ScoredPlace> heap_;  // the worst in front
+/// Slots by the bounds of their scores.
+struct Bound {
+  float most = 0;
+  std::uint32_t slot = 0;
+};
+struct IsLarger {
+  bool operator()(const Bound& a, const Bound& b) const {
+    return a.most != b.most ? a.most > b.most : a.slot > b.slot;
+  }
 };
 
 constexpr float kNoView = -1;
@@ -197,25 +176,17 @@ double ScoredPlaces::Impl::MostScore(float cosine) const {
 std::vector<std::uint32_t> ScoredPlaces::Impl::LargestOf(const std::vector<float>& bounds,
                                                          int max_id,
                                                          std::size_t count) const {
-  using Bound = std::pair<float, std::uint32_t>;
-  std::vector<Bound> heap;  // the smallest in front
+  internal::TopK<Bound, IsLarger> best(count);
   float threshold = 0;
   for (std::uint32_t slot = 0; slot < bounds.size(); ++slot) {
-    if (!(bounds[slot] > threshold) || places_[owners_[slot]].id > max_id) {
-      continue;
+    if (bounds[slot] > threshold && places_[owners_[slot]].id <= max_id) {
+      best.Offer({bounds[slot], slot});
+      threshold = best.is_full() ? best.worst().most : 0.0F;
     }
-    if (heap.size() == count) {
-      std::pop_heap(heap.begin(), heap.end(), std::greater<Bound>());
-      heap.pop_back();
-    }
-    heap.emplace_back(bounds[slot], slot);
-    std::push_heap(heap.begin(), heap.end(), std::greater<Bound>());
-    threshold = heap.size() == count ? heap.front().first : 0.0F;
   }
   std::vector<std::uint32_t> largest;
-  largest.reserve(heap.size());
-  for (const auto& [bound, slot] : heap) {
-    largest.push_back(slot);
+  for (const Bound& bound : best.Take()) {
+    largest.push_back(bound.slot);
   }
   return largest;
 }
@@ -244,13 +215,16 @@ std::vector<ScoredPlace> ScoredPlaces::Impl::Query(const WeightedBow& query,
   }
   const std::vector<float> bounds = index_.Bounds(query);
   const std::vector<float> weights = index_.Spread(query);
-  BestPlaces best(count);
+  internal::TopK<ScoredPlace, IsBetter> best(count);
   std::vector<bool> is_scored(places_.size());
   const auto offer = [&](std::uint32_t slot) {
     const Place& place = places_[owners_[slot]];
     if (place.id <= max_id && !is_scored[owners_[slot]]) {
       is_scored[owners_[slot]] = true;
-      best.Offer(Score(place, weights));
+      const ScoredPlace scored = Score(place, weights);
+      if (std::max(scored.original, scored.virtual_view) > 0) {
+        best.Offer(scored);
+      }
     }
   };
   // These raise the threshold so far that hardly any other place is left to be scored.
@@ -258,7 +232,8 @@ std::vector<ScoredPlace> ScoredPlaces::Impl::Query(const WeightedBow& query,
     offer(slot);
   }
   for (std::uint32_t slot = 0; slot < bounds.size(); ++slot) {
-    if (bounds[slot] > 0 && MostScore(bounds[slot]) >= best.threshold()) {
+    const double threshold = best.is_full() ? best.worst().score : 0.0;
+    if (bounds[slot] > 0 && MostScore(bounds[slot]) >= threshold) {
       offer(slot);
     }
   }
