@@ -30,7 +30,8 @@ class SlotSet {
     // An address, not a pointer: it may lie beyond the end, or start from none.
     const auto start = reinterpret_cast<std::uintptr_t>(data_.get());
     for (std::uintptr_t offset = 0; offset < 512; offset += 64) {
-      __builtin_prefetch(reinterpret_cast<const void*>(start + offset));
+      __builtin_prefetch(
+          reinterpret_cast<const void*>(start + offset));  // NOLINT(performance-no-int-to-ptr)
     }
   }
 

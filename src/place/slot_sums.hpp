@@ -18,7 +18,7 @@ class SlotSums {
 
   /// Room for whole blocks of a bitmap.
   static std::size_t Padded(std::uint32_t slots) {
-    return (slots / (32 * kBlockWords) + 1) * std::size_t{32 * kBlockWords};
+    return (slots / (32 * kBlockWords) + 1) * std::size_t{32} * kBlockWords;
   }
 
   Sum operator[](std::uint32_t slot) const { return sums_[slot]; }

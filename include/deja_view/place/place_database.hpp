@@ -39,8 +39,8 @@ class PlaceDatabase {
   /// Throws CheckError for invalid options.
   PlaceDatabase(const PlaceDatabaseOptions& options, std::shared_ptr<const Vocabulary> vocabulary);
   ~PlaceDatabase();
-  PlaceDatabase(PlaceDatabase&&) noexcept;
-  PlaceDatabase& operator=(PlaceDatabase&&) noexcept;
+  PlaceDatabase(PlaceDatabase&& other) noexcept;
+  PlaceDatabase& operator=(PlaceDatabase&& other) noexcept;
 
   /// Adds an entry; (id, tag) must be new, its words in the vocabulary, sorted, each once.
   void Add(int id, const BowVector& bow, int tag = 0);

@@ -61,8 +61,8 @@ class ScoredPlaces {
   /// Makes the vocabulary's SynonymKernel when the weights need it.
   ScoredPlaces(const ScoringOptions& options, std::shared_ptr<const Vocabulary> vocabulary);
   ~ScoredPlaces();
-  ScoredPlaces(ScoredPlaces&&) noexcept;
-  ScoredPlaces& operator=(ScoredPlaces&&) noexcept;
+  ScoredPlaces(ScoredPlaces&& other) noexcept;
+  ScoredPlaces& operator=(ScoredPlaces&& other) noexcept;
 
   /// `tag` 0: the original image, else a virtual one. (id, tag) must be new.
   void Add(int id, const BowVector& bow, int tag);
