@@ -19,8 +19,9 @@ struct LoopConsistencyOptions {
   double max_support_ratio = 0.34;  ///< contradicting over agreeing loops
   // Loops that join two worlds have nothing but each other: repeated structure gives many that
   // agree, but from one stretch of the flight, or with rivals.
-  /// Of the flight over which they must spread; or of a map's places, `min_support_join` of them.
-  double min_span_over_depth = 0.3;
+  /// Of the flight over which they must spread, or of a map's places, `min_support_join` of them: a
+  /// copy of what a drone sees stays in its view while it flies less than the scene is deep.
+  double min_span_over_depth = 1.0;
   /// Loops whose both ends lie within this see the same two places: they are one witness.
   double same_place_over_depth = 0.02;
   double max_rival_ratio = 0.5;  ///< joining: rivals (believed or not) over agreeing loops

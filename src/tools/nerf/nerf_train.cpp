@@ -70,7 +70,7 @@ nerf::Split ReadInputs(const NerfTrainRequest& request) {
 // A trained field as one whose training is half done: rates as high as they then were, which is
 // enough to learn what it has not seen and not to forget what it has.
 nerf::RadianceField ReadStart(const std::filesystem::path& path) {
-  constexpr float kProgress = 0.5F;
+  constexpr float kProgress = 0.75F;
   nerf::RadianceField field = nerf::ReadField(path);
   field.progress = kProgress;
   return field;

@@ -179,6 +179,14 @@ TEST(LoopConsistency, LoopsThatJoinMustSpread) {
   EXPECT_EQ(AddTrueLoops({17}, &consistency, &graph).size(), 9U);
 }
 
+/// Within less than the scene's depth, 5 m, a copy of what is seen stays in view.
+TEST(LoopConsistency, LoopsThatJoinSpreadOverTheScenesDepth) {
+  PoseGraph graph = MakeTwoWorlds();
+  LoopConsistency consistency{LoopConsistencyOptions{}};
+  EXPECT_TRUE(AddTrueLoops({3, 5, 7, 9, 11, 13, 15, 17}, &consistency, &graph).empty());  // 4.4 m
+  EXPECT_EQ(AddTrueLoops({20}, &consistency, &graph).size(), 9U);                         // 5.3 m
+}
+
 TEST(LoopConsistency, LoopsThatJoinMustHaveFewRivals) {
   const Rigid3 shift{Eigen::Quaterniond::Identity(), {0, 3, 0}};
   for (const int rivals : {3, 4}) {
@@ -275,7 +283,9 @@ TEST(LoopConsistency, ADroneThatStandsJoinsByTheMapsPlaces) {
   const auto joins = [](int places, int step, bool is_map, double move_m = 0) {
     PoseGraph graph = MakeTwoWorlds(is_map);
     const Rigid3 T_W_B = graph.node(kPerRound + 10).T_W_B;
-    LoopConsistency consistency{LoopConsistencyOptions{}};
+    LoopConsistencyOptions options;
+    options.min_span_over_depth = 0.3;  // 1.5 m
+    LoopConsistency consistency(options);
     for (int i = 0; i < 6; ++i) {
       const Rigid3 moved{Eigen::Quaterniond::Identity(), {0, 0, i * move_m}};
       const int standing = graph.AddNode(1, T_W_B * moved);
