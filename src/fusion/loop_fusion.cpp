@@ -272,8 +272,20 @@ void LoopFusion::CountViews() {
 
 void LoopFusion::CountKeyframe(const KeyframeReport& report) {
   CountViews();
+  if (report.separates) {
+    const auto withdrawn =
+        std::count_if(report.loops.begin(), report.loops.end(), [](const LoopReport& loop) {
+          return loop.reason == RejectReason::kWithdrawn;
+        });
+    Tell(
+        fmt::format("keyframe {}: the flight was joined wrongly to another world, as later loops "
+                    "show: {} loops are withdrawn",
+                    report.index,
+                    withdrawn));
+  }
   const std::lock_guard<std::mutex> lock(statistics_mutex_);
   ++statistics_.keyframes;
+  statistics_.joins_taken_back += report.separates ? 1 : 0;
   for (const LoopReport& loop : report.loops) {
     ++statistics_.candidates[EnumToString(loop.reason)];
   }

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <fstream>
 #include <ostream>
+#include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -63,17 +65,20 @@ LoopRow::LoopRow(const LoopReport& report)
 
 template <typename Row>
 void AddLoopRows(const std::vector<LoopReport>& told, std::vector<Row>* rows) {
+  std::set<std::pair<int, int>> withdrawn;
   for (const LoopReport& loop : told) {
-    if (loop.reason != RejectReason::kWithdrawn) {
+    if (loop.reason == RejectReason::kWithdrawn) {
+      withdrawn.emplace(loop.old, loop.current);
+    } else {
       rows->emplace_back(loop);
-      continue;
     }
-    const auto accepted = std::find_if(rows->rbegin(), rows->rend(), [&](const Row& row) {
-      return row.accepted() && row.old == loop.old && row.current == loop.current;
-    });
-    DEJA_VIEW_CHECK(accepted != rows->rend());
-    accepted->reason = RejectReason::kWithdrawn;
   }
+  for (auto row = rows->rbegin(); row != rows->rend() && !withdrawn.empty(); ++row) {
+    if (row->accepted() && withdrawn.erase({row->old, row->current}) > 0) {
+      row->reason = RejectReason::kWithdrawn;
+    }
+  }
+  DEJA_VIEW_CHECK(withdrawn.empty());
 }
 
 template void AddLoopRows(const std::vector<LoopReport>& told, std::vector<LoopReport>* rows);

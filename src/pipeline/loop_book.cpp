@@ -3,6 +3,7 @@
 #include "deja_view/base/check.hpp"
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 namespace deja_view {
@@ -20,6 +21,11 @@ RejectReason ReasonOf(State state) {
       break;
   }
   return RejectReason::kInconsistent;
+}
+
+/// It is between two sequences.
+bool Crosses(const LoopReport& loop, const PoseGraph& graph) {
+  return graph.node(loop.old).sequence != graph.node(loop.current).sequence;
 }
 
 }  // namespace
@@ -41,12 +47,17 @@ LoopBook::Entry LoopBook::Enter(LoopReport loop, PoseGraph* graph) {
   const bool was_joined =
       graph->AreJoined(graph->node(edge.from).sequence, graph->node(edge.to).sequence);
   const int number = next_++;
-  const LoopConsistency::Decision decision = consistency_.Add(edge, number, *graph);
+  LoopConsistency::Decision decision = consistency_.Add(edge, number, *graph);
+  Entry entry;
+  entry.separates = decision.contradicts_join;
+  if (entry.separates) {
+    entry.withdrawn = Separate(graph->node(edge.to).sequence, graph);
+    decision = consistency_.Reconsider(*graph);
+  }
   loop.reason = ReasonOf(decision.state);
   LoopRecord& entered = records_[number];
   entered.report = std::move(loop);
   entered.state = decision.state;
-  Entry entry;
   entry.reason = entered.report.reason;
   for (const LoopConsistency::Entry& believed : decision.believed) {
     LoopRecord& record = records_.at(believed.tag);
@@ -55,9 +66,12 @@ LoopBook::Entry LoopBook::Enter(LoopReport loop, PoseGraph* graph) {
     const int id = graph->AddLoop(believed.loop);
     ++believed_[record.report.old];
     record.edge = graph->loops().count(id) > 0 ? id : -1;
+    if (record.edge < 0 && Crosses(record.report, *graph)) {
+      settled_.emplace_back(record.report.old, record.report.current);
+    }
     entry.believed.push_back(believed.tag);
   }
-  entry.joins = !was_joined && !entry.believed.empty();
+  entry.joins = (!was_joined || entry.separates) && !entry.believed.empty();
   ForgetOldest();
   return entry;
 }
@@ -109,7 +123,39 @@ std::map<int, LoopRecord>::iterator LoopBook::Find(int edge) {
   });
 }
 
-std::vector<LoopReport> LoopBook::Withdraw(const std::vector<int>& edges) {
+// Also of those of which the graph has nothing left but ties.
+std::vector<LoopReport> LoopBook::Separate(int sequence, PoseGraph* graph) {
+  const auto crosses = [&](int a, int b) {
+    return (graph->node(a).sequence == sequence) != (graph->node(b).sequence == sequence);
+  };
+  std::vector<int> edges = graph->Separate(sequence);
+  for (const auto& [number, record] : records_) {
+    // Of a dropped keyframe that hung on the other sequence, its loop was within that.
+    if (record.edge >= 0 && crosses(record.report.old, record.report.current) &&
+        graph->loops().count(record.edge) > 0) {
+      graph->RemoveLoop(record.edge);
+      edges.push_back(record.edge);
+    }
+  }
+  std::vector<LoopReport> withdrawn = Withdraw(edges, *graph);
+  const auto is_gone = [&](const std::pair<int, int>& loop) {
+    return crosses(loop.first, loop.second);
+  };
+  for (const auto& loop : settled_) {
+    if (is_gone(loop)) {
+      LoopReport report;
+      std::tie(report.old, report.current) = loop;
+      report.reason = RejectReason::kWithdrawn;
+      withdrawn.push_back(report);
+      --believed_[report.old];
+    }
+  }
+  settled_.erase(std::remove_if(settled_.begin(), settled_.end(), is_gone), settled_.end());
+  consistency_.Separate(sequence, *graph);
+  return withdrawn;
+}
+
+std::vector<LoopReport> LoopBook::Withdraw(const std::vector<int>& edges, const PoseGraph& graph) {
   std::vector<LoopReport> reports;
   for (const int edge : edges) {
     const auto it = Find(edge);
@@ -117,17 +163,21 @@ std::vector<LoopReport> LoopBook::Withdraw(const std::vector<int>& edges) {
     reports.push_back(it->second.report);
     --believed_[it->second.report.old];
     reports.back().reason = RejectReason::kWithdrawn;
-    consistency_.Withdraw(it->first);
+    consistency_.Withdraw(it->first, it->second.report.old, it->second.report.current, graph);
     records_.erase(it);
   }
   return reports;
 }
 
-void LoopBook::Settle(const std::vector<int>& edges) {
+void LoopBook::Settle(const std::vector<int>& edges, const PoseGraph& graph) {
   for (const int edge : edges) {
     const auto it = Find(edge);
     DEJA_VIEW_CHECK(it != records_.end());
     it->second.edge = -1;
+    const LoopReport& report = it->second.report;
+    if (Crosses(report, graph)) {
+      settled_.emplace_back(report.old, report.current);
+    }
     if (!IsRemembered(it->first)) {
       records_.erase(it);
     }

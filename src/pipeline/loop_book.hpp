@@ -5,6 +5,7 @@
 #include "deja_view/pose_graph/pose_graph.hpp"
 
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "loop_measurements.hpp"
@@ -33,6 +34,8 @@ class LoopBook {
     RejectReason reason = RejectReason::kInconsistent;  ///< kNone: it is in the graph now
     std::vector<int> believed;  ///< records that came into the graph, the new one last if it did
     bool joins = false;         ///< the first of them tied two worlds together
+    bool separates = false;     ///< before that it took back that the worlds were joined otherwise
+    std::vector<LoopReport> withdrawn;  ///< then: those that had joined them
   };
   /// Enters a verified loop between two nodes of `graph` and adds to the graph what is believed
   /// from now on.
@@ -45,9 +48,9 @@ class LoopBook {
   bool Refine(const LoopMeasurement& measurement, PoseGraph* graph);
 
   /// The graph has no such loops any more; returns their reports, as withdrawn.
-  std::vector<LoopReport> Withdraw(const std::vector<int>& edges);
+  std::vector<LoopReport> Withdraw(const std::vector<int>& edges, const PoseGraph& graph);
   /// The graph has made them part of itself: nothing more will become of them.
-  void Settle(const std::vector<int>& edges);
+  void Settle(const std::vector<int>& edges, const PoseGraph& graph);
 
   const LoopRecord& operator[](int i) const { return records_.at(i); }
   int size() const { return next_; }  ///< records ever
@@ -63,6 +66,8 @@ class LoopBook {
 
  private:
   std::map<int, LoopRecord>::iterator Find(int edge);
+  /// Takes back that the sequence is joined to others.
+  std::vector<LoopReport> Separate(int sequence, PoseGraph* graph);
   /// -1: there is none that can be refined so.
   int FindRefinable(const LoopMeasurement& measurement, const PoseGraph& graph) const;
   bool IsRemembered(int record) const { return record >= next_ - consistency_.memory(); }
@@ -71,6 +76,9 @@ class LoopBook {
   LoopConsistency consistency_;
   std::map<int, LoopRecord> records_;
   std::map<int, int> believed_;  ///< loops per place
+  /// Old and current keyframe of those loops between sequences that the graph has made part of
+  /// itself.
+  std::vector<std::pair<int, int>> settled_;
   int next_ = 0;
 };
 

@@ -192,21 +192,51 @@ void LoopCloserImpl::TakeDueSolution(KeyframeReport* report) {
   }
   if (!solve_.is_pending() && (report->graph_changed || !solve_.has_news())) {
     const PoseGraph::Settled settled = graph.Reduce();
-    loops_.Settle(settled.absorbed);
+    loops_.Settle(settled.absorbed, graph);
     Withdraw(settled.withdrawn, &report->loops);
   }
 }
 
 void LoopCloserImpl::Withdraw(const std::vector<int>& edges, std::vector<LoopReport>* told) {
-  for (const LoopReport& loop : loops_.Withdraw(edges)) {
+  TakeBack(loops_.Withdraw(edges, keyframes_.graph()), told);
+}
+
+void LoopCloserImpl::TakeBack(std::vector<LoopReport> withdrawn, std::vector<LoopReport>* told) {
+  bool is_newest_gone = false;
+  for (LoopReport& loop : withdrawn) {
+    loop.stamp_old_ns = keyframes_[loop.old].stamp_ns;
+    loop.stamp_current_ns = keyframes_[loop.current].stamp_ns;
     if (keyframes_[loop.current].relocalised_old == loop.old) {
       keyframes_.SetRelocalised(loop.current, -1);
     }
-    if (loop.current == last_localised_) {
-      last_localised_ = loops_.NewestLocalised();
-    }
-    told->push_back(loop);
+    is_newest_gone = is_newest_gone || loop.current == last_localised_;
+    told->push_back(std::move(loop));
   }
+  if (is_newest_gone) {
+    last_localised_ = loops_.NewestLocalised();
+  }
+}
+
+void LoopCloserImpl::TakeBackJoin(std::vector<LoopReport> withdrawn, KeyframeReport* report) {
+  const std::size_t first = report->loops.size();
+  TakeBack(std::move(withdrawn), &report->loops);
+  for (std::size_t i = first; i < report->loops.size(); ++i) {
+    const LoopReport& loop = report->loops[i];
+    const auto is_of_loop = [&](const LoopMatches& matches) {
+      return matches.stamp_current_ns == loop.stamp_current_ns &&
+             matches.stamp_old_ns == loop.stamp_old_ns;
+    };
+    report->matches.erase(
+        std::remove_if(report->matches.begin(), report->matches.end(), is_of_loop),
+        report->matches.end());
+    if (report->relocalisation && loop.current == report->index &&
+        loop.old == report->relocalisation->old) {
+      report->relocalisation.reset();
+    }
+  }
+  solve_.Restart();
+  report->separates = true;
+  report->graph_changed = true;
 }
 
 void LoopCloserImpl::BecomePlace(NewKeyframe current, KeyframeTimes* times) {

@@ -68,6 +68,9 @@ class LoopCloserImpl {
   void TakeDueSolution(KeyframeReport* report);
   /// Loops that are none in the graph any more.
   void Withdraw(const std::vector<int>& edges, std::vector<LoopReport>* told);
+  void TakeBack(std::vector<LoopReport> withdrawn, std::vector<LoopReport>* told);
+  /// The sequence under way was joined wrongly, by these loops.
+  void TakeBackJoin(std::vector<LoopReport> withdrawn, KeyframeReport* report);
   std::vector<Candidate> FindCandidates(const NewKeyframe& current, KeyframeReport* report) const;
   void FindLoops(const std::vector<Candidate>& candidates,
                  const NewKeyframe& current,

@@ -162,7 +162,10 @@ bool LoopCloserImpl::TakeVerified(const LoopReport& loop,
                                   const NewKeyframe& current,
                                   KeyframeReport* report) {
   const int record = loops_.size();
-  const LoopBook::Entry entry = loops_.Enter(loop, &keyframes_.graph());
+  LoopBook::Entry entry = loops_.Enter(loop, &keyframes_.graph());
+  if (entry.separates) {
+    TakeBackJoin(std::move(entry.withdrawn), report);
+  }
   const bool is_believed = entry.reason == RejectReason::kNone;
   if (!is_believed) {
     report->loops.push_back(loops_[record].report);

@@ -61,6 +61,15 @@ void SolveSchedule::Finish(PoseGraph* graph) {
   pending_.reset();
 }
 
+void SolveSchedule::Restart() {
+  if (pending_ && pending_->done.valid()) {
+    pending_->done.get();
+  }
+  pending_.reset();
+  ++loops_;
+  is_surprised_ = true;
+}
+
 void SolveSchedule::Reset() {
   loops_ = 0;
   is_surprised_ = false;

@@ -35,6 +35,9 @@ class SolveSchedule {
   /// Waits for a solution under way and takes it over.
   void Finish(PoseGraph* graph);
 
+  /// The graph came apart: a solution under way is void, and the whole graph is to be solved.
+  void Restart();
+
   /// Nothing is left to solve: the graph has just been solved, or is another one.
   void Reset();
 

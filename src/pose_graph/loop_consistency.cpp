@@ -9,14 +9,6 @@
 #include <utility>
 
 namespace deja_view {
-namespace {
-
-PoseGraphNode Node(const PoseGraph& graph, int i) {
-  return graph.node(i);
-}
-
-}  // namespace
-
 std::vector<std::string> LoopConsistencyOptions::Validate() const {
   Requirements r;
   const auto at_least = [&](const char* key, double value, double least) {
@@ -37,6 +29,7 @@ std::vector<std::string> LoopConsistencyOptions::Validate() const {
   at_least("window", window, 1);
   positive("max_path_over_depth", max_path_over_depth);
   positive("max_sigmas", max_sigmas);
+  positive("plausible_soon_over_depth", plausible_soon_over_depth);
   positive("plausible_over_depth", plausible_over_depth);
   at_least("plausible_m_per_m", plausible_m_per_m, 0);
   positive("plausible_yaw_deg", plausible_yaw_deg);
@@ -48,10 +41,10 @@ LoopConsistency::Comparison LoopConsistency::Compare(const PoseGraphLoop& a,
                                                      const PoseGraphLoop& b,
                                                      const PoseGraph& graph) const {
   Comparison result;
-  const PoseGraphNode a_from = Node(graph, a.from);
-  const PoseGraphNode b_from = Node(graph, b.from);
-  const PoseGraphNode a_to = Node(graph, a.to);
-  const PoseGraphNode b_to = Node(graph, b.to);
+  const PoseGraphNode a_from = graph.node(a.from);
+  const PoseGraphNode b_from = graph.node(b.from);
+  const PoseGraphNode a_to = graph.node(a.to);
+  const PoseGraphNode b_to = graph.node(b.to);
   if (a_from.sequence != b_from.sequence || a_to.sequence != b_to.sequence) {
     return result;
   }
@@ -94,9 +87,9 @@ LoopConsistency::Comparison LoopConsistency::Compare(const PoseGraphLoop& a,
 }
 
 double LoopConsistency::PathSinceLoop(int node, const PoseGraph& graph) const {
-  const int sequence = Node(graph, node).sequence;
+  const int sequence = graph.node(node).sequence;
   for (auto it = entries_.rbegin(); it != entries_.rend(); ++it) {
-    if (it->state == State::kAccepted && Node(graph, it->loop.to).sequence == sequence) {
+    if (it->state == State::kAccepted && graph.node(it->loop.to).sequence == sequence) {
       return graph.PathLength(it->loop.to, node);
     }
   }
@@ -109,28 +102,36 @@ void LoopConsistency::ForgetOldest(const PoseGraph& graph) {
   while (static_cast<int>(entries_.size()) > memory()) {
     const Entry& oldest = entries_.front();
     if (oldest.state == State::kAccepted) {
-      forgotten_[Node(graph, oldest.loop.to).sequence] = oldest.loop.to;
+      forgotten_[graph.node(oldest.loop.to).sequence] = oldest.loop.to;
     }
     entries_.pop_front();
   }
 }
 
-void LoopConsistency::Withdraw(int tag) {
+void LoopConsistency::Withdraw(int tag, int from, int to, const PoseGraph& graph) {
   entries_.erase(
       std::remove_if(
           entries_.begin(), entries_.end(), [tag](const Entry& entry) { return entry.tag == tag; }),
       entries_.end());
+  const auto joining = joining_.find({graph.node(from).sequence, graph.node(to).sequence});
+  if (joining != joining_.end() && --joining->second[from] <= 0) {
+    joining->second.erase(from);
+  }
 }
 
 bool LoopConsistency::IsPlausible(const PoseGraphLoop& loop, const PoseGraph& graph) const {
-  const PoseGraphNode from = Node(graph, loop.from);
-  const PoseGraphNode to = Node(graph, loop.to);
+  const PoseGraphNode from = graph.node(loop.from);
+  const PoseGraphNode to = graph.node(loop.to);
   const double path = PathSinceLoop(loop.to, graph);
+  const double over_depth =
+      options_.plausible_soon_over_depth +
+      std::min(1.0, path / loop.scene_depth) *
+          (options_.plausible_over_depth - options_.plausible_soon_over_depth);
   const Eigen::Vector3d predicted = (from.T_M_B().Inverse() * to.T_M_B()).t;
   const double yaw =
       WrapAngle(to.psi - from.psi - DeltaPsi(from.T_W_B.q, loop.T_from_to.q, to.T_W_B.q));
   return (predicted - loop.T_from_to.t).norm() <
-             options_.plausible_over_depth * loop.scene_depth + options_.plausible_m_per_m * path &&
+             over_depth * loop.scene_depth + options_.plausible_m_per_m * path &&
          std::abs(yaw) <
              kDegree * (options_.plausible_yaw_deg + options_.plausible_yaw_deg_per_m * path);
 }
@@ -160,121 +161,13 @@ bool LoopConsistency::IsBelieved(const Entry& entry,
   return !*is_implausible && support >= options_.min_support;
 }
 
-LoopConsistency::Evidence LoopConsistency::Gather(const Entry& entry,
-                                                  const PoseGraph& graph) const {
-  Evidence evidence;
-  int first = entry.loop.to;
-  int last = entry.loop.to;
-  const std::size_t begin =
-      entries_.size() -
-      std::min<std::size_t>(entries_.size(), static_cast<std::size_t>(options_.span_window));
-  for (std::size_t i = begin; i < entries_.size(); ++i) {
-    const Entry& other = entries_[i];
-    if (&other == &entry) {
-      continue;
-    }
-    const Comparison c = Compare(entry.loop, other.loop, graph);
-    if (!c.is_comparable) {
-      continue;
-    }
-    if (c.rivals) {
-      evidence.rivals.push_back(i);
-    } else if (c.agrees && other.loop.to != entry.loop.to) {
-      evidence.agreeing.push_back(i);
-      first = std::min(first, other.loop.to);
-      last = std::max(last, other.loop.to);
-    }
+void LoopConsistency::Believe(Entry* entry, const PoseGraph& graph) {
+  entry->state = State::kAccepted;
+  const int from = graph.node(entry->loop.from).sequence;
+  const int to = graph.node(entry->loop.to).sequence;
+  if (from != to) {
+    ++joining_[{from, to}][entry->loop.from];
   }
-  evidence.span_m = graph.PathLength(first, last);
-  return evidence;
-}
-
-int LoopConsistency::CountWitnesses(const std::vector<std::size_t>& entries,
-                                    const PoseGraph& graph) const {
-  const auto place = [&](int node) { return Node(graph, node).T_W_B.t; };
-  std::vector<const PoseGraphLoop*> witnesses;
-  for (const std::size_t i : entries) {
-    const PoseGraphLoop& loop = entries_[i].loop;
-    const double near = options_.same_place_over_depth * loop.scene_depth;
-    const bool is_known =
-        std::any_of(witnesses.begin(), witnesses.end(), [&](const PoseGraphLoop* other) {
-          return (place(loop.from) - place(other->from)).norm() < near &&
-                 (place(loop.to) - place(other->to)).norm() < near;
-        });
-    if (!is_known) {
-      witnesses.push_back(&loop);
-    }
-  }
-  return static_cast<int>(witnesses.size());
-}
-
-// A drone that stands sees the world from one point, but a map may have seen the same from many.
-bool LoopConsistency::DoMapsPlacesSuffice(const std::vector<std::size_t>& entries,
-                                          const PoseGraph& graph) const {
-  const PoseGraphLoop& newest = entries_.back().loop;
-  if (!Node(graph, newest.from).is_fixed) {
-    return false;
-  }
-  const Eigen::Vector3d newest_place = Node(graph, newest.from).T_M_B().t;
-  std::vector<Eigen::Vector3d> places;
-  double span_m = 0;
-  for (const std::size_t i : entries) {
-    const Eigen::Vector3d place = Node(graph, entries_[i].loop.from).T_M_B().t;
-    const double near = options_.same_place_over_depth * entries_[i].loop.scene_depth;
-    if (std::none_of(places.begin(), places.end(), [&](const Eigen::Vector3d& other) {
-          return (place - other).norm() < near;
-        })) {
-      places.push_back(place);
-      span_m = std::max(span_m, (place - newest_place).norm());
-    }
-  }
-  return static_cast<int>(places.size()) >= options_.min_support_join &&
-         span_m >= options_.min_span_over_depth * newest.scene_depth;
-}
-
-// The newest loop joins two worlds together with those that agree with it, or waits.
-std::vector<LoopConsistency::Entry> LoopConsistency::Join(const PoseGraph& graph) {
-  const Evidence evidence = Gather(entries_.back(), graph);
-  const PoseGraphLoop& newest = entries_.back().loop;
-  const int support = CountWitnesses(evidence.agreeing, graph);
-  const bool is_spread = evidence.span_m >= options_.min_span_over_depth * newest.scene_depth ||
-                         DoMapsPlacesSuffice(evidence.agreeing, graph);
-  if (support < options_.min_support_join || !is_spread ||
-      CountWitnesses(evidence.rivals, graph) > options_.max_rival_ratio * support) {
-    return {};
-  }
-  std::vector<Entry> believed;
-  const auto believe = [&](Entry* entry) {
-    if (entry->state != State::kAccepted) {
-      entry->state = State::kAccepted;
-      believed.push_back(*entry);
-    }
-  };
-  for (const std::size_t i : AgreeingAmongThemselves(evidence.agreeing, graph)) {
-    believe(&entries_[i]);
-  }
-  believe(&entries_.back());
-  return believed;
-}
-
-// The newest loop may be so uncertain that it agrees with nearly all.
-std::vector<std::size_t> LoopConsistency::AgreeingAmongThemselves(
-    const std::vector<std::size_t>& entries, const PoseGraph& graph) const {
-  std::vector<std::size_t> agreeing;
-  for (const std::size_t i : entries) {
-    int support = 1;  // the newest loop
-    int against = 0;
-    for (const std::size_t k : entries) {
-      const Comparison c =
-          k == i ? Comparison{} : Compare(entries_[i].loop, entries_[k].loop, graph);
-      support += c.is_comparable && c.agrees ? 1 : 0;
-      against += c.is_comparable && !c.agrees ? 1 : 0;
-    }
-    if (against <= support) {
-      agreeing.push_back(i);
-    }
-  }
-  return agreeing;
 }
 
 // Within one world: the newest loop, and those waiting that it can have helped.
@@ -306,6 +199,7 @@ std::vector<LoopConsistency::Entry> LoopConsistency::Judge(const PoseGraphLoop& 
   for (const auto& [i, state] : changes) {
     entries_[i].state = state;
     if (state == State::kAccepted) {
+      Believe(&entries_[i], graph);
       believed.push_back(entries_[i]);
     }
   }
@@ -318,10 +212,12 @@ LoopConsistency::Decision LoopConsistency::Add(const PoseGraphLoop& loop,
   entries_.push_back({loop, tag, State::kPending});
   ForgetOldest(graph);
   const bool are_joined =
-      graph.AreJoined(Node(graph, loop.from).sequence, Node(graph, loop.to).sequence);
+      graph.AreJoined(graph.node(loop.from).sequence, graph.node(loop.to).sequence);
   Decision decision;
   decision.believed = are_joined ? Judge(loop, graph) : Join(graph);
   decision.state = entries_.back().state;
+  decision.contradicts_join =
+      are_joined && decision.state != State::kAccepted && ContradictsJoin(graph);
   return decision;
 }
 

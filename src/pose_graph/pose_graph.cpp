@@ -69,8 +69,11 @@ PoseGraph PoseGraph::FromParts(const PoseGraphOptions& options,
   for (const PoseGraphLoop& loop : loops) {
     DEJA_VIEW_CHECK(loop.from >= 0 && loop.from < graph.size());
     DEJA_VIEW_CHECK(loop.to >= 0 && loop.to < graph.size());
-    const int a = graph.Group(graph.Record(loop.from).sequence);
-    const int b = graph.Group(graph.Record(loop.to).sequence);
+    const std::pair<int, int> sequences{graph.Record(loop.from).sequence,
+                                        graph.Record(loop.to).sequence};
+    graph.joined_of_map_.insert(sequences);
+    const int a = graph.Group(sequences.first);
+    const int b = graph.Group(sequences.second);
     std::replace(graph.group_.begin(), graph.group_.end(), std::max(a, b), std::min(a, b));
     if (!graph.Record(loop.from).is_fixed || !graph.Record(loop.to).is_fixed) {
       graph.AddLoop(loop);
@@ -129,7 +132,7 @@ int PoseGraph::AddNode(int sequence, const Rigid3& T_W_B, bool is_fixed) {
   }
   slots_[static_cast<std::size_t>(keyframe.slot)] = std::move(slot);
   if (!is_first) {
-    AddOdometry(id - 1, id);
+    AddOdometry(id - 1, id, (T_W_B.t - Record(id - 1).t_W_B).norm());
   }
   return id;
 }
@@ -240,15 +243,19 @@ void PoseGraph::JoinGroups(const PoseGraphLoop& loop) {
   const double yaw =
       ToYawTransform({T_M_end.q * end.T_M_B().q.conjugate(), Eigen::Vector3d::Zero()}).yaw;
   const Eigen::Quaterniond q = FromYaw(yaw);
-  const Eigen::Vector3d t = T_M_end.t - q * end.t_M_B;
+  MoveGroup(moved, yaw, T_M_end.t - q * end.t_M_B);
+  std::replace(group_.begin(), group_.end(), moved, kept);
+}
+
+void PoseGraph::MoveGroup(int group, double yaw, const Eigen::Vector3d& t) {
+  const Eigen::Quaterniond q = FromYaw(yaw);
   for (const int id : live_) {
     PoseGraphNode& node = Live(id).node;
-    if (Group(node.sequence) == moved) {
+    if (Group(node.sequence) == group) {
       node.psi = WrapAngle(node.psi + yaw);
       node.t_M_B = q * node.t_M_B + t;
     }
   }
-  std::replace(group_.begin(), group_.end(), moved, kept);
 }
 
 Eigen::Matrix4d PoseGraph::OdometryInformation(double distance) const {
@@ -261,7 +268,7 @@ Eigen::Matrix4d PoseGraph::OdometryInformation(double distance) const {
   return L.cwiseAbs2().asDiagonal();
 }
 
-void PoseGraph::AddOdometry(int from, int to) {
+void PoseGraph::AddOdometry(int from, int to, double distance) {
   const PoseGraphNode& i = Live(from).node;
   const PoseGraphNode& j = Live(to).node;
   if (i.is_fixed && j.is_fixed) {
@@ -271,7 +278,7 @@ void PoseGraph::AddOdometry(int from, int to) {
   tie.from = from;
   tie.to = to;
   tie.t_I_J = i.T_W_B.q.conjugate() * (j.T_W_B.t - i.T_W_B.t);
-  tie.information = OdometryInformation(tie.t_I_J.norm());
+  tie.information = OdometryInformation(distance);
   AddTie(tie);
 }
 

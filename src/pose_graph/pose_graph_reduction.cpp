@@ -165,18 +165,17 @@ void PoseGraph::DropSegment(const std::vector<int>& dropped) {
   }
 }
 
-PoseGraph::Hook PoseGraph::MakeHook(int node, int holder) const {
-  const PoseGraphNode& hung = Live(node).node;
-  const PoseGraphNode& stays = Live(holder).node;
+PoseGraph::Hook PoseGraph::MakeHook(const PoseGraphNode& hung,
+                                    int holder,
+                                    const PoseGraphNode& stays) {
   return {
       holder, WrapAngle(hung.psi - stays.psi), FromYaw(-stays.psi) * (hung.t_M_B - stays.t_M_B)};
 }
 
-void PoseGraph::Hang(int node, std::vector<int> holders) {
+void PoseGraph::SetHooks(int node, std::vector<int> holders) {
   DEJA_VIEW_CHECK(!holders.empty());
-  const auto distance = [&](int holder) {
-    return (Live(holder).node.t_M_B - Live(node).node.t_M_B).norm();
-  };
+  const PoseGraphNode hung = this->node(node);
+  const auto distance = [&](int holder) { return (Live(holder).node.t_M_B - hung.t_M_B).norm(); };
   const std::size_t count = std::min<std::size_t>(2, holders.size());
   std::partial_sort(holders.begin(),
                     holders.begin() + static_cast<std::ptrdiff_t>(count),
@@ -185,13 +184,19 @@ void PoseGraph::Hang(int node, std::vector<int> holders) {
                       return std::make_pair(distance(a), a) < std::make_pair(distance(b), b);
                     });
   Keyframe& k = keyframes_.at(static_cast<std::size_t>(node));
-  k.hooks[0] = MakeHook(node, holders[0]);
+  k.hooks = {};
+  k.hooks[0] = MakeHook(hung, holders[0], Live(holders[0]).node);
   if (count == 2) {
-    k.hooks[1] = MakeHook(node, holders[1]);
+    k.hooks[1] = MakeHook(hung, holders[1], Live(holders[1]).node);
     const double near = distance(holders[0]);
     const double far = distance(holders[1]);
     k.share = static_cast<float>(far > 0 ? near / (near + far) : 0.5);
   }
+}
+
+void PoseGraph::Hang(int node, std::vector<int> holders) {
+  SetHooks(node, std::move(holders));
+  Keyframe& k = keyframes_.at(static_cast<std::size_t>(node));
   Live(node) = Slot();
   free_slots_.push_back(k.slot);
   k.slot = -1;

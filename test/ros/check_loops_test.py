@@ -33,7 +33,8 @@ os.execv({tool!r}, [{tool!r}] + sys.argv[1:])
 # Pictures of other places match, and nothing asks whether that is chance or fits the odometry.
 LOOSE = [
     "consistency.min_support=0", "consistency.min_support_join=0", "consistency.max_support_ratio=1000",
-    "consistency.max_sigmas=1000", "consistency.plausible_over_depth=100", "verification.max_distance=200",
+    "consistency.max_sigmas=1000", "consistency.plausible_over_depth=100",
+    "consistency.plausible_soon_over_depth=100", "verification.max_distance=200",
     "verification.max_ratio=1", "verification.max_log10_false_alarms=-0.001", "verification.min_inlier_ratio=0.01",
     "verification.max_sigma_m=10", "verification.max_sigma_over_depth=1", "verification.max_gravity_deg=90",
     "verification.max_yaw_deg=180", "verification.max_distance_over_depth=100",

@@ -45,7 +45,8 @@ struct LoopFusionStatistics {
   std::int64_t relative_poses = 0;   ///< of the VIO's relocalisation, taken over
   std::int64_t relative_poses_ignored = 0;
   std::map<std::string, std::int64_t> candidates;  ///< verified, by reason ("accepted")
-  double mean_ms = 0;                              ///< per keyframe
+  std::int64_t joins_taken_back = 0;  ///< the flight had been joined wrongly to another world
+  double mean_ms = 0;                 ///< per keyframe
   double max_ms = 0;
   ViewCounts views;
   std::int64_t view_overflows = 0;    ///< views dropped because the queue was full

@@ -147,6 +147,7 @@ struct KeyframeReport {
   std::vector<LoopMatches> matches;  ///< of this keyframe's own loops that were accepted at once
   std::optional<PairExplanation> explanation;  ///< if asked for: LoopCloser::Ask
   bool graph_changed = false;                  ///< optimised poses moved: publish paths anew
+  bool separates = false;  ///< the flight's join to another world was wrong: it was taken back
   KeyframeTimes times;
 };
 

@@ -6,6 +6,7 @@
 #include <deque>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace deja_view {
@@ -34,10 +35,11 @@ struct LoopConsistencyOptions {
   double max_path_over_depth = 3.0;  ///< of odometry on either side between two compared loops
   double max_sigmas = 3.5;           ///< of the difference, per axis and yaw
   // Drift that a single loop may claim against the corrected trajectory.
-  double plausible_over_depth = 0.2;     ///< always
-  double plausible_m_per_m = 0.03;       ///< [m] more per metre flown since the last loop
-  double plausible_yaw_deg = 4.0;        ///< [deg] always
-  double plausible_yaw_deg_per_m = 0.3;  ///< [deg] more per metre flown since the last loop
+  double plausible_soon_over_depth = 0.1;  ///< right after another loop
+  double plausible_over_depth = 0.2;       ///< after a way as long as the scene is deep, and later
+  double plausible_m_per_m = 0.03;         ///< [m] more per metre flown since the last loop
+  double plausible_yaw_deg = 4.0;          ///< [deg] always
+  double plausible_yaw_deg_per_m = 0.3;    ///< [deg] more per metre flown since the last loop
 
   template <typename Visitor>
   void Visit(Visitor& v) {
@@ -53,6 +55,7 @@ struct LoopConsistencyOptions {
     v("window", window);
     v("max_path_over_depth", max_path_over_depth);
     v("max_sigmas", max_sigmas);
+    v("plausible_soon_over_depth", plausible_soon_over_depth);
     v("plausible_over_depth", plausible_over_depth);
     v("plausible_m_per_m", plausible_m_per_m);
     v("plausible_yaw_deg", plausible_yaw_deg);
@@ -68,6 +71,9 @@ struct LoopConsistencyOptions {
 /// Consistent loops that claim more drift than the VIO can have gathered (a repeated structure seen
 /// from frame to frame) stay out however many agree: copies of a place see it as often as it is
 /// seen. What the VIO can have gathered grows with the way flown since the last loop.
+/// The first loops that join two worlds may have seen copies, too. A join falls when loops that
+/// stay out would join the worlds otherwise, and show more places of the older one than all loops
+/// that were believed: a copy is of some places, the truth shows all that come in view.
 class LoopConsistency {
  public:
   enum class State { kPending, kImplausible, kAccepted };
@@ -82,6 +88,9 @@ class LoopConsistency {
     State state = State::kPending;  ///< of the new loop
     /// Entries that are believed from now on, the new one last when it is among them.
     std::vector<Entry> believed;
+    /// The two worlds of the new loop were joined wrongly: take that back (Separate), and
+    /// Reconsider.
+    bool contradicts_join = false;
   };
 
   explicit LoopConsistency(const LoopConsistencyOptions& options) : options_(options) {}
@@ -89,8 +98,13 @@ class LoopConsistency {
   /// Adds a verified loop and decides on it and on those that waited; `graph` holds both nodes and
   /// not yet the loop.
   Decision Add(const PoseGraphLoop& loop, int tag, const PoseGraph& graph);
-  /// The graph contradicts a believed loop: it speaks for no other one any more.
-  void Withdraw(int tag);
+  /// The graph contradicts a believed loop between nodes `from` and `to`: it speaks for no other
+  /// one any more.
+  void Withdraw(int tag, int from, int to, const PoseGraph& graph);
+  /// No believed loop of the sequence with another one speaks for any other loop any more.
+  void Separate(int sequence, const PoseGraph& graph);
+  /// Decides on the newest loop again, now that `graph` has them apart.
+  Decision Reconsider(const PoseGraph& graph);
   /// Newest loops that are remembered; an older one is not decided on again.
   int memory() const { return std::max(options_.window, options_.span_window); }
 
@@ -104,14 +118,19 @@ class LoopConsistency {
   Comparison Compare(const PoseGraphLoop& a, const PoseGraphLoop& b, const PoseGraph& graph) const;
 
  private:
-  /// What all newest loops, believed or not, say about one.
+  /// What all newest loops, or those that are not believed, say about one.
   struct Evidence {
     std::vector<std::size_t> agreeing;  ///< entries of other current keyframes
     std::vector<std::size_t> rivals;    ///< entries that contradict it
     double span_m = 0;                  ///< [m] of the flight from the first to the last agreeing
   };
-  Evidence Gather(const Entry& entry, const PoseGraph& graph) const;
+  Evidence Gather(const Entry& entry, const PoseGraph& graph, bool with_believed = true) const;
+  /// The agreeing ones would join two worlds together with the newest loop.
+  bool Suffices(const Evidence& evidence, const PoseGraph& graph) const;
   std::vector<Entry> Join(const PoseGraph& graph);
+  bool ContradictsJoin(const PoseGraph& graph) const;
+  /// Notes that a loop is believed.
+  void Believe(Entry* entry, const PoseGraph& graph);
   /// Entries that do not see the same two places as another of them.
   int CountWitnesses(const std::vector<std::size_t>& entries, const PoseGraph& graph) const;
   /// True when the `entries` are loops with enough places of a map, far enough from each other.
@@ -127,6 +146,8 @@ class LoopConsistency {
 
   LoopConsistencyOptions options_;
   std::deque<Entry> entries_;
+  /// Believed loops between two sequences, by them and the place in the older one.
+  std::map<std::pair<int, int>, std::map<int, int>> joining_;
   /// Per sequence: node of the newest believed loop among those forgotten.
   std::map<int, int> forgotten_;
 };

@@ -54,6 +54,11 @@ class PoseGraph {
   /// Replaces the measurement of a loop.
   void UpdateLoop(int id, const Rigid3& T_from_to);
   void RemoveLoop(int id);
+  /// Takes back that a sequence is joined to others: its loops and ties with them go, and its first
+  /// node holds a world of its own again. Others that only it joined come apart, too. Within a
+  /// sequence all stay where they are, and what dropped nodes knew stays in the ties. Returns the
+  /// ids of the loops that are gone. A solution that is under way must not be taken over.
+  std::vector<int> Separate(int sequence);
 
   using Summary = PoseGraphProblem::Summary;
   /// Solves everything.
@@ -146,7 +151,13 @@ class PoseGraph {
   /// Adds what a tie knows to what its nodes know of each other.
   void AddTie(const PoseGraphTie& tie);
   void RemoveTie(int a, int b);
-  void AddOdometry(int from, int to);
+  /// Over a way of that length [m].
+  void AddOdometry(int from, int to, double distance);
+  void RehangOnOwn(int sequence);
+  void Reconnect();
+  void Regroup();
+  /// Turns and then shifts a group of sequences.
+  void MoveGroup(int group, double yaw, const Eigen::Vector3d& t);
   void JoinGroups(const PoseGraphLoop& loop);
   int Group(int sequence) const;
   bool IsConstant(int node) const;
@@ -160,8 +171,10 @@ class PoseGraph {
   std::set<int> Around(int node) const;
   void DropAll(const std::vector<int>& nodes);
   void DropSegment(const std::vector<int>& dropped);
-  Hook MakeHook(int node, int holder) const;
-  /// Hangs a node on the nearest two of the given ones.
+  static Hook MakeHook(const PoseGraphNode& hung, int holder, const PoseGraphNode& stays);
+  /// Hangs a node where it is on the nearest two of the given ones.
+  void SetHooks(int node, std::vector<int> holders);
+  /// Drops a node that nothing is tied to any more.
   void Hang(int node, std::vector<int> holders);
 
   PoseGraphOptions options_;
@@ -172,6 +185,7 @@ class PoseGraph {
   std::deque<int> window_;  ///< those of them that are dropped one day
   std::vector<int> group_;  ///< per sequence: the lowest sequence it is joined to
   std::vector<int> first_;  ///< per sequence: its first node
+  std::set<std::pair<int, int>> joined_of_map_;  ///< sequences that loops of FromParts tie
   std::map<int, PoseGraphLoop> loops_;
   int next_loop_ = 0;
   std::map<std::pair<int, int>, PoseGraphTie> ties_;

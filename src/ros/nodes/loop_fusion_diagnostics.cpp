@@ -56,6 +56,9 @@ void LoopFusionNode::Diagnose(diagnostic_updater::DiagnosticStatusWrapper& statu
                    fmt::format("no messages on {}", fmt::join(silent, ", ")));
   } else if (now.assembler.restarts > before.assembler.restarts) {
     status.summary(DiagnosticStatus::WARN, "the VIO started anew: a new sequence");
+  } else if (now.joins_taken_back > before.joins_taken_back) {
+    status.summary(DiagnosticStatus::WARN,
+                   "the flight was joined wrongly to another world: loops are withdrawn");
   } else if (new_bad > 0 || now.refused > before.refused) {
     status.summary(DiagnosticStatus::WARN, "messages or keyframes can't be used");
   } else if (now.assembler.missing_image > before.assembler.missing_image ||
@@ -73,6 +76,7 @@ void LoopFusionNode::Diagnose(diagnostic_updater::DiagnosticStatusWrapper& statu
   status.add("keyframes processed [Hz]", rate(now.keyframes, before.keyframes));
   status.add("keyframes", now.keyframes);
   status.add("restarts of the VIO", now.assembler.restarts);
+  status.add("joins taken back", now.joins_taken_back);
   status.add("time per keyframe, mean [ms]", now.mean_ms);
   status.add("time per keyframe, largest [ms]", now.max_ms);
   status.add("queue", now.queue_length);

@@ -84,6 +84,7 @@ void Play(const ReplayRequest& request,
       accepted += loop.accepted() ? 1 : 0;
     }
     AddLoopRows(report.loops, &result->loops);
+    result->joins_taken_back += report.separates ? 1 : 0;
     if (report.explanation) {
       result->explanation = report.explanation;
     }

@@ -65,6 +65,7 @@ struct ReplayResult {
   std::vector<std::string> problems;  ///< messages and keyframes that could not be used
   ReplayReport bag;
   int places = 0;
+  int joins_taken_back = 0;  ///< how often the flight had been joined wrongly to another world
   double core_memory_mb = 0;
   double cpu_s = 0;
   double wall_s = 0;

@@ -77,6 +77,7 @@ Json ToJson(const ReplayResult& r) {
                          {"keyframes", r.bag.front_end.keyframes},
                          {"points", r.bag.front_end.points}};
   }
+  json["joins_taken_back"] = r.joins_taken_back;
   json["restarts"] = r.bag.assembler.restarts;
   json["problems"] = r.problems.size();
   Json reasons;

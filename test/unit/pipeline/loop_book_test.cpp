@@ -137,7 +137,7 @@ TEST(LoopBook, AWithdrawnLoopIsGone) {
     book.Enter(Loop(i), &graph);
   }
   graph.RemoveLoop(book[1].edge);
-  const std::vector<LoopReport> withdrawn = book.Withdraw({book[1].edge});
+  const std::vector<LoopReport> withdrawn = book.Withdraw({book[1].edge}, graph);
   ASSERT_EQ(withdrawn.size(), 1U);
   EXPECT_EQ(withdrawn[0].old, 5);
   EXPECT_EQ(withdrawn[0].reason, RejectReason::kWithdrawn);
@@ -164,7 +164,7 @@ TEST(LoopBook, CountsThePlacesLoops) {
   EXPECT_EQ(book.CountOf(3), 1);
   EXPECT_EQ(book.CountOf(4), 0);
   graph.RemoveLoop(book[1].edge);
-  book.Withdraw({book[1].edge});
+  book.Withdraw({book[1].edge}, graph);
   EXPECT_EQ(book.CountOf(5), 1);
 }
 
@@ -183,9 +183,45 @@ TEST(LoopBook, KeepsWhatIsOfUse) {
   for (const auto& [id, loop] : graph.loops()) {
     edges.push_back(id);
   }
-  book.Settle(edges);
+  book.Settle(edges, graph);
   EXPECT_THAT(book.Accepted(), IsEmpty());
   EXPECT_LE(book.kept(), 8U);
+}
+
+TEST(LoopBook, TakesBackAJoinThatMorePlacesContradict) {
+  PoseGraph graph = MakeGraph(true);
+  LoopConsistencyOptions options;
+  options.min_span_over_depth = 0.4;
+  LoopBook book(options);
+  const Rigid3 far{Eigen::Quaterniond::Identity(), {0, 5, 0}};
+  for (const int i : {0, 2, 4, 6, 8}) {
+    book.Enter(Loop(i, far), &graph);
+  }
+  ASSERT_TRUE(graph.AreJoined(0, 1));
+  graph.Solve();
+  const int first_edge = book[0].edge;
+  graph.RemoveLoop(first_edge);  // as if it had become a tie
+  book.Settle({first_edge}, graph);
+  for (const int i : {14, 16, 18, 20, 22}) {
+    const LoopBook::Entry entry = book.Enter(Loop(i), &graph);
+    EXPECT_FALSE(entry.separates);
+    EXPECT_THAT(entry.withdrawn, IsEmpty());
+    EXPECT_NE(entry.reason, RejectReason::kNone);
+  }
+  const LoopBook::Entry entry = book.Enter(Loop(24), &graph);
+  EXPECT_TRUE(entry.separates);
+  EXPECT_TRUE(entry.joins);
+  EXPECT_EQ(entry.reason, RejectReason::kNone);
+  EXPECT_THAT(OldOf(entry.withdrawn), testing::UnorderedElementsAre(0, 2, 4, 6, 8));
+  for (const LoopReport& loop : entry.withdrawn) {
+    EXPECT_EQ(loop.current, loop.old + kPerRound);
+    EXPECT_EQ(loop.reason, RejectReason::kWithdrawn);
+    EXPECT_EQ(book.CountOf(loop.old), 0);
+  }
+  EXPECT_THAT(OldOf(book.Accepted()), ElementsAre(14, 16, 18, 20, 22, 24));
+  EXPECT_TRUE(graph.AreJoined(0, 1));
+  EXPECT_LT((graph.node(kPerRound).t_M_B - graph.node(0).t_M_B).norm(), 1e-6);
+  EXPECT_FALSE(book.Enter(Loop(26), &graph).separates);
 }
 
 TEST(LoopBook, RefinesAnAcceptedLoopByANearbyMeasurement) {

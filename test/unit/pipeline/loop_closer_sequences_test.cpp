@@ -1,6 +1,8 @@
 #include "deja_view/pipeline/loop_closer.hpp"
 
 #include <algorithm>
+#include <set>
+#include <utility>
 
 #include "small_flight.hpp"
 #include <gtest/gtest.h>
@@ -47,6 +49,50 @@ TEST(LoopCloser, ASequenceThatStartsAnewIsJoinedByLoops) {
   const Rigid3 truth = flight.T_W_B.front().Inverse() * flight.T_W_B.back();
   EXPECT_LT((closer.keyframe(0).T_M_B.Inverse() * last.T_M_B * truth.Inverse()).t.norm(), 0.5);
   EXPECT_LT((closer.drift() * last.T_W_B.t - last.T_M_B.t).norm(), 1e-9);
+}
+
+/// A map with a kink: what its first third shows lies elsewhere than the rest says. A flight that
+/// sees that first joins the map by it, and comes off it when more places of the rest contradict.
+TEST(LoopCloser, AJoinThatProvesWrongIsTakenBack) {
+  const std::vector<KeyframeInput>& flight = SmallFlight(1).keyframes;
+  const std::size_t third = flight.size() / 6;
+  LoopCloserOptions options = test::FlightOptions();
+  options.consistency.min_span_over_depth = 0.2;
+  LoopCloser closer = MakeCloser(1, options);
+  for (std::size_t i = 0; i < flight.size() / 2; ++i) {
+    closer.AddKeyframe(i < third ? InAnotherWorld(flight[i]) : flight[i]);
+  }
+  const int map_size = closer.keyframe_count();
+  std::set<std::pair<int, int>> accepted;
+  std::size_t withdrawn = 0;
+  int taken_back = 0;
+  for (std::size_t i = 0; i < flight.size(); ++i) {
+    KeyframeInput keyframe = InAnotherWorld(flight[i]);
+    keyframe.starts_sequence = i == 0;
+    const KeyframeReport report = closer.AddKeyframe(keyframe);
+    for (const LoopReport& loop : report.loops) {
+      if (loop.reason == RejectReason::kWithdrawn && report.separates) {
+        withdrawn += accepted.erase({loop.old, loop.current});
+        EXPECT_LT(loop.old, static_cast<int>(third));
+        EXPECT_EQ(loop.stamp_old_ns, flight[static_cast<std::size_t>(loop.old)].stamp_ns);
+      } else if (loop.accepted() && loop.old < map_size) {
+        accepted.emplace(loop.old, loop.current);
+      }
+    }
+    if (report.separates) {
+      ++taken_back;
+      EXPECT_GT(withdrawn, 10U);
+      EXPECT_TRUE(report.graph_changed);
+    }
+  }
+  EXPECT_EQ(taken_back, 1);
+  closer.OptimizeFully();
+  // Most of the flight is where the rest of the map has it.
+  const KeyframeInfo last = closer.keyframe(closer.keyframe_count() - 1);
+  EXPECT_LT((last.T_M_B.t - flight.back().T_W_B.t).norm(), 1.0);
+  for (const LoopReport& loop : closer.accepted_loops()) {
+    EXPECT_GE(loop.old, static_cast<int>(third));
+  }
 }
 
 TEST(LoopCloser, OwnPlacesDontHideAMapThatIsNotJoined) {

@@ -121,5 +121,20 @@ TEST(SolveSchedule, ForgetsOnReset) {
   EXPECT_FALSE(IsSolved(&schedule, &graph));
 }
 
+/// Of a graph that came apart the loops of a solution under way may be gone.
+TEST(SolveSchedule, AfterARestartTheSolutionUnderWayIsVoid) {
+  SolveSchedule schedule(SolveOptions{}, {});
+  PoseGraph graph = Line(6);
+  Note(-0.5, true, &graph, &schedule);
+  schedule.StartIfDue(graph);
+  ASSERT_TRUE(schedule.is_pending());
+  graph.RemoveLoop(0);
+  schedule.Restart();
+  EXPECT_FALSE(schedule.is_pending());
+  EXPECT_TRUE(schedule.has_news());
+  EXPECT_TRUE(IsSolved(&schedule, &graph)) << "at once, whatever the number of loops";
+  EXPECT_LT((graph.node(5).t_M_B - graph.node(5).T_W_B.t).norm(), 1e-12);
+}
+
 }  // namespace
 }  // namespace deja_view
