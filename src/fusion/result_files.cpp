@@ -15,16 +15,24 @@
 namespace deja_view {
 namespace {
 
-void WriteLoops(std::ostream& out, const std::vector<LoopRow>& loops) {
+template <int kSize>
+std::array<float, kSize> Floats(const Eigen::Matrix<double, kSize, 1>& values) {
+  std::array<float, kSize> floats = {};
+  for (int i = 0; i < kSize; ++i) {
+    floats[static_cast<std::size_t>(i)] = static_cast<float>(values[i]);
+  }
+  return floats;
+}
+
+void WriteLoops(std::ostream& out, const LoopRows& loops) {
   out << "stamp_current_ns,stamp_old_ns,tx,ty,tz,qx,qy,qz,qw,score,inliers,virtual,accepted,"
          "reason\n";
   for (const LoopRow& loop : loops) {
-    const Rigid3& T = loop.T_Bold_Bcurrent;
     out << fmt::format("{},{},{:.6f},{:.8f},{:.6f},{},{},{},{}\n",
                        loop.stamp_current_ns,
                        loop.stamp_old_ns,
-                       fmt::join(Numbers(T.t), ","),
-                       fmt::join(ScalarLast(T.q), ","),
+                       fmt::join(loop.t_Bold_Bcurrent, ","),
+                       fmt::join(loop.q_Bold_Bcurrent, ","),
                        loop.score,
                        loop.inliers,
                        loop.is_virtual ? 1 : 0,
@@ -55,16 +63,17 @@ void WriteMatches(std::ostream& out, const std::vector<LoopMatches>& matches) {
 LoopRow::LoopRow(const LoopReport& report)
     : stamp_current_ns(report.stamp_current_ns),
       stamp_old_ns(report.stamp_old_ns),
-      T_Bold_Bcurrent(report.T_Bold_Bcurrent),
-      score(report.score),
+      t_Bold_Bcurrent(Floats<3>(report.T_Bold_Bcurrent.t)),
+      q_Bold_Bcurrent(Floats<4>(report.T_Bold_Bcurrent.q.coeffs())),
+      score(static_cast<float>(report.score)),
       current(report.current),
       old(report.old),
       inliers(report.inliers),
       is_virtual(report.is_virtual),
       reason(report.reason) {}
 
-template <typename Row>
-void AddLoopRows(const std::vector<LoopReport>& told, std::vector<Row>* rows) {
+template <typename Rows>
+void AddLoopRows(const std::vector<LoopReport>& told, Rows* rows) {
   std::set<std::pair<int, int>> withdrawn;
   for (const LoopReport& loop : told) {
     if (loop.reason == RejectReason::kWithdrawn) {
@@ -82,7 +91,7 @@ void AddLoopRows(const std::vector<LoopReport>& told, std::vector<Row>* rows) {
 }
 
 template void AddLoopRows(const std::vector<LoopReport>& told, std::vector<LoopReport>* rows);
-template void AddLoopRows(const std::vector<LoopReport>& told, std::vector<LoopRow>* rows);
+template void AddLoopRows(const std::vector<LoopReport>& told, LoopRows* rows);
 
 std::vector<KeyframeInfo> ListKeyframes(const LoopCloser& closer, int most) {
   std::vector<KeyframeInfo> keyframes;
@@ -97,7 +106,7 @@ std::vector<KeyframeInfo> ListKeyframes(const LoopCloser& closer, int most) {
 void WriteResultFiles(const std::filesystem::path& directory,
                       const std::vector<KeyframeInfo>& keyframes,
                       int first_own,
-                      const std::vector<LoopRow>& loops,
+                      const LoopRows& loops,
                       const std::vector<LoopMatches>& matches) {
   Trajectory corrected;
   Trajectory vio;

@@ -92,12 +92,12 @@ TEST(ResultFilesTest, AWithdrawnLoopIsNoAcceptedRow) {
   EXPECT_TRUE(rows[2].accepted());
   EXPECT_THROW(AddLoopRows({loop(3, 9, RejectReason::kWithdrawn)}, &rows), CheckError);
 
-  std::vector<LoopRow> short_rows;
+  LoopRows short_rows;
   AddLoopRows({loop(2, 9, RejectReason::kNone)}, &short_rows);
   AddLoopRows({loop(2, 9, RejectReason::kWithdrawn)}, &short_rows);
   ASSERT_EQ(short_rows.size(), 1U);
   EXPECT_EQ(short_rows[0].reason, RejectReason::kWithdrawn);
-  EXPECT_LE(sizeof(LoopRow), 128U) << "a flight of ten hours has some hundred thousand";
+  EXPECT_LE(sizeof(LoopRow), 72U) << "a flight of ten hours has some hundred thousand";
 }
 
 class CheckWritableTest : public TemporaryDirectoryTest {};
