@@ -45,11 +45,12 @@ LoopConsistency::Comparison LoopConsistency::Compare(const PoseGraphLoop& a,
   const PoseGraphNode b_from = graph.node(b.from);
   const PoseGraphNode a_to = graph.node(a.to);
   const PoseGraphNode b_to = graph.node(b.to);
-  if (a_from.sequence != b_from.sequence || a_to.sequence != b_to.sequence) {
+  // A loaded map's poses are solved: neither drift nor the way flown lies between them.
+  const bool is_map =
+      a_from.is_fixed && b_from.is_fixed && graph.AreJoinedInMap(a_from.sequence, b_from.sequence);
+  if ((a_from.sequence != b_from.sequence && !is_map) || a_to.sequence != b_to.sequence) {
     return result;
   }
-  // A loaded map's poses are solved: neither drift nor the way flown lies between them.
-  const bool is_map = a_from.is_fixed && b_from.is_fixed;
   const Rigid3 T_from =
       is_map ? a_from.T_M_B().Inverse() * b_from.T_M_B() : a_from.T_W_B.Inverse() * b_from.T_W_B;
   const double from_path = is_map ? T_from.t.norm() : graph.PathLength(a.from, b.from);

@@ -70,7 +70,8 @@ int LoopConsistency::CountWitnesses(const std::vector<std::size_t>& entries,
     const double near = options_.same_place_over_depth * loop.scene_depth;
     const bool is_known =
         std::any_of(witnesses.begin(), witnesses.end(), [&](const PoseGraphLoop* other) {
-          return (place(loop.from) - place(other->from)).norm() < near &&
+          return graph.node(loop.from).sequence == graph.node(other->from).sequence &&
+                 (place(loop.from) - place(other->from)).norm() < near &&
                  (place(loop.to) - place(other->to)).norm() < near;
         });
     if (!is_known) {

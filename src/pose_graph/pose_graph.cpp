@@ -69,16 +69,14 @@ PoseGraph PoseGraph::FromParts(const PoseGraphOptions& options,
   for (const PoseGraphLoop& loop : loops) {
     DEJA_VIEW_CHECK(loop.from >= 0 && loop.from < graph.size());
     DEJA_VIEW_CHECK(loop.to >= 0 && loop.to < graph.size());
-    const std::pair<int, int> sequences{graph.Record(loop.from).sequence,
-                                        graph.Record(loop.to).sequence};
-    graph.joined_of_map_.insert(sequences);
-    const int a = graph.Group(sequences.first);
-    const int b = graph.Group(sequences.second);
+    const int a = graph.Group(graph.Record(loop.from).sequence);
+    const int b = graph.Group(graph.Record(loop.to).sequence);
     std::replace(graph.group_.begin(), graph.group_.end(), std::max(a, b), std::min(a, b));
     if (!graph.Record(loop.from).is_fixed || !graph.Record(loop.to).is_fixed) {
       graph.AddLoop(loop);
     }
   }
+  graph.map_group_ = graph.group_;
   // What never moves is no node that could be of use, unless it can be seen again.
   const std::vector<int> live = graph.live_;
   int holder = -1;
@@ -177,6 +175,14 @@ Rigid3 PoseGraph::Correction(int node) const {
 
 int PoseGraph::Group(int sequence) const {
   return group_.at(static_cast<std::size_t>(sequence));
+}
+
+bool PoseGraph::AreJoinedInMap(int a, int b) const {
+  const auto group = [&](int sequence) {
+    const auto s = static_cast<std::size_t>(sequence);
+    return s < map_group_.size() ? map_group_[s] : sequence;
+  };
+  return group(a) == group(b);
 }
 
 bool PoseGraph::IsAnchored(int sequence) const {

@@ -110,8 +110,8 @@ void PoseGraph::Regroup() {
   const auto join = [&](int a, int b) {
     sequences.Join(static_cast<std::size_t>(a), static_cast<std::size_t>(b));
   };
-  for (const auto& [a, b] : joined_of_map_) {
-    join(a, b);
+  for (std::size_t s = 0; s < map_group_.size(); ++s) {
+    join(static_cast<int>(s), map_group_[s]);
   }
   for (const auto& [ends, tie] : ties_) {
     join(Record(tie.from).sequence, Record(tie.to).sequence);

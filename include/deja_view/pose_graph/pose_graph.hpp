@@ -100,6 +100,8 @@ class PoseGraph {
   Rigid3 Correction(int node) const;
   /// True when a chain of loops ties the sequence to the anchor.
   bool IsAnchored(int sequence) const;
+  /// True when the graph was made with the two sequences joined: a map's poses are of one world.
+  bool AreJoinedInMap(int a, int b) const;
   /// True when a chain of loops ties the two sequences to each other.
   bool AreJoined(int a, int b) const { return Group(a) == Group(b); }
   /// Covariance [m^2] of a loop's translation beyond its own: common errors of its points.
@@ -181,11 +183,11 @@ class PoseGraph {
   std::deque<Keyframe> keyframes_;
   std::vector<Slot> slots_;
   std::vector<int> free_slots_;
-  std::vector<int> live_;   ///< nodes that have slots, in order
-  std::deque<int> window_;  ///< those of them that are dropped one day
-  std::vector<int> group_;  ///< per sequence: the lowest sequence it is joined to
-  std::vector<int> first_;  ///< per sequence: its first node
-  std::set<std::pair<int, int>> joined_of_map_;  ///< sequences that loops of FromParts tie
+  std::vector<int> live_;       ///< nodes that have slots, in order
+  std::deque<int> window_;      ///< those of them that are dropped one day
+  std::vector<int> group_;      ///< per sequence: the lowest sequence it is joined to
+  std::vector<int> first_;      ///< per sequence: its first node
+  std::vector<int> map_group_;  ///< per sequence of FromParts: group_, as it was then
   std::map<int, PoseGraphLoop> loops_;
   int next_loop_ = 0;
   std::map<std::pair<int, int>, PoseGraphTie> ties_;

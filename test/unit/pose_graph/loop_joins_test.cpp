@@ -155,6 +155,40 @@ TEST(LoopConsistency, ADroneThatStandsJoinsByTheMapsPlaces) {
   EXPECT_FALSE(joins(4, 1, true));        // within 0.9 m of 5 m of depth
 }
 
+/// The flights of one map support each other, those that nothing joins don't.
+TEST(LoopConsistency, AMapOfTwoFlightsIsOne) {
+  for (const bool are_joined : {false, true}) {
+    const PoseGraph rounds = MakeTwoWorlds();
+    std::vector<PoseGraph::Part> parts;
+    for (int i = 0; i < 2 * kPerRound; ++i) {
+      PoseGraphNode node = rounds.node(i);
+      node.is_fixed = true;
+      node.t_M_B = Truth(i).t;
+      node.psi = i < kPerRound ? 0 : -2;
+      parts.push_back({node, true});
+    }
+    std::vector<PoseGraphLoop> joints;
+    if (are_joined) {
+      joints.push_back(TrueLoop(3, 3 + kPerRound));
+    }
+    PoseGraph graph = PoseGraph::FromParts(PoseGraphOptions{}, parts, joints);
+    EXPECT_EQ(graph.AreJoinedInMap(0, 1), are_joined);
+    for (int i = 0; i < kPerRound; ++i) {
+      graph.AddNode(2, Truth(i));
+    }
+    LoopConsistencyOptions options;
+    options.min_span_over_depth = 0.4;
+    LoopConsistency consistency(options);
+    std::size_t believed = 0;
+    for (int i = 0; i < 8; ++i) {  // four of each
+      const int flown = 2 * kPerRound + 2 * i;
+      const PoseGraphLoop loop = TrueLoop(2 * i + (i % 2) * kPerRound, flown);
+      believed += consistency.Add(loop, i, graph).believed.size();
+    }
+    EXPECT_EQ(believed, are_joined ? 8U : 0U);
+  }
+}
+
 /// What is a long way for a small room is none in a hall.
 TEST(LoopConsistency, SpansAreMeasuredByTheScenesDepth) {
   for (const double depth : {2.0, 5.0}) {
