@@ -104,6 +104,20 @@ TEST(LoopConsistency, ImplausibleDriftStaysOutHoweverManyLoopsClaimIt) {
   EXPECT_EQ(StateAfterLoops(far, 30), State::kImplausible);
 }
 
+/// So uncertain that it agrees with all, and 0.7 m off where 5 m are seen.
+TEST(LoopConsistency, RightAfterAnotherALoopMayClaimLessDrift) {
+  for (const int steps : {2, 17}) {  // 0.6 m and 5.3 m later
+    PoseGraph graph = MakeGraph();
+    LoopConsistency consistency({});
+    ASSERT_EQ(AddTrueLoops({3, 5, 7}, &consistency, &graph).size(), 3U);
+    const Rigid3 error{Eigen::Quaterniond::Identity(), {0, 0.7, 0}};
+    PoseGraphLoop loop = WrongLoop(7 + steps, 7 + steps + kPerRound, error);
+    loop.covariance *= 1e4;
+    EXPECT_EQ(consistency.Add(loop, 100, graph).state,
+              steps < 5 ? State::kImplausible : State::kAccepted);
+  }
+}
+
 TEST(LoopConsistency, ImplausibleYawStaysOutHoweverManyLoopsClaimIt) {
   // Turned about the drone, so that nearly nothing but yaw is wrong.
   const auto turn = [](double degrees) {
