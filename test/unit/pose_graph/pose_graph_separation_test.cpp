@@ -1,6 +1,7 @@
 #include "deja_view/base/angles.hpp"
 #include "deja_view/pose_graph/pose_graph.hpp"
 
+#include <set>
 #include <vector>
 
 #include "rounds.hpp"
@@ -33,6 +34,22 @@ void ExpectAsFlown(const PoseGraph& graph, int first, double within_m) {
     const Rigid3 flown = graph.node(first).T_W_B.Inverse() * graph.node(i).T_W_B;
     const Rigid3 now = graph.node(first).T_M_B().Inverse() * graph.node(i).T_M_B();
     EXPECT_LT((now.t - flown.t).norm(), within_m) << i;
+  }
+}
+
+/// Ties lead from the first node of a sequence to all of its that are live.
+void ExpectAllTied(const PoseGraph& graph, int first) {
+  std::set<int> tied = {first};
+  for (std::size_t before = 0; before != tied.size();) {
+    before = tied.size();
+    for (const auto& [ends, tie] : graph.ties()) {
+      if (tied.count(ends.first) + tied.count(ends.second) == 1) {
+        tied.insert({ends.first, ends.second});
+      }
+    }
+  }
+  for (int i = first; i < first + kPerRound; ++i) {
+    EXPECT_TRUE(!graph.IsLive(i) || tied.count(i) > 0) << i;
   }
 }
 
@@ -92,6 +109,7 @@ TEST(PoseGraphSeparation, DroppedNodesComeAlong) {
   EXPECT_LT(left, 10U) << "most loops are in the ties by now";
   EXPECT_EQ(graph.Separate(1).size(), left);
   EXPECT_FALSE(graph.AreJoined(0, 1));
+  ExpectAllTied(graph, kPerRound);
   ExpectAsFlown(graph, kPerRound, 0.01);
   EXPECT_LT(graph.Correction(kPerRound).t.norm(), 1e-9);
 
