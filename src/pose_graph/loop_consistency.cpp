@@ -9,6 +9,7 @@
 #include <utility>
 
 namespace deja_view {
+
 std::vector<std::string> LoopConsistencyOptions::Validate() const {
   Requirements r;
   const auto at_least = [&](const char* key, double value, double least) {
