@@ -6,9 +6,34 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace deja_view {
+namespace {
+
+/// What the trajectory would have to move for a loop.
+struct Claim {
+  double distance = 0;  ///< [m]
+  double yaw = 0;       ///< [rad], not negative
+};
+
+Claim ClaimOf(const PoseGraphLoop& loop, const PoseGraph& graph) {
+  const PoseGraphNode from = graph.node(loop.from);
+  const PoseGraphNode to = graph.node(loop.to);
+  const Eigen::Vector3d predicted = (from.T_M_B().Inverse() * to.T_M_B()).t;
+  const double yaw =
+      WrapAngle(to.psi - from.psi - DeltaPsi(from.T_W_B.q, loop.T_from_to.q, to.T_W_B.q));
+  return {(predicted - loop.T_from_to.t).norm(), std::abs(yaw)};
+}
+
+/// In standard deviations per degree of freedom.
+double NormalisedInnovation(const PoseGraphLoop& loop, const PoseGraph& graph) {
+  constexpr double kDegreesOfFreedom = 4;
+  return std::sqrt(graph.SquaredError(loop) / kDegreesOfFreedom);
+}
+
+}  // namespace
 
 std::vector<std::string> LoopConsistencyOptions::Validate() const {
   Requirements r;
@@ -32,6 +57,8 @@ std::vector<std::string> LoopConsistencyOptions::Validate() const {
   positive("max_sigmas", max_sigmas);
   positive("plausible_soon_over_depth", plausible_soon_over_depth);
   positive("plausible_over_depth", plausible_over_depth);
+  positive("surprising_over_depth", surprising_over_depth);
+  positive("max_innovation_ratio", max_innovation_ratio);
   at_least("plausible_m_per_m", plausible_m_per_m, 0);
   positive("plausible_yaw_deg", plausible_yaw_deg);
   at_least("plausible_yaw_deg_per_m", plausible_yaw_deg_per_m, 0);
@@ -88,22 +115,43 @@ LoopConsistency::Comparison LoopConsistency::Compare(const PoseGraphLoop& a,
   return result;
 }
 
-double LoopConsistency::PathSinceLoop(int node, const PoseGraph& graph) const {
-  const int sequence = graph.node(node).sequence;
-  for (auto it = entries_.rbegin(); it != entries_.rend(); ++it) {
-    if (it->state == State::kAccepted && graph.node(it->loop.to).sequence == sequence) {
-      return graph.PathLength(it->loop.to, node);
+bool LoopConsistency::IsFollowed(const PoseGraphLoop& loop, const PoseGraph& graph) const {
+  const Claim claim = ClaimOf(loop, graph);
+  return claim.distance < options_.surprising_over_depth * loop.scene_depth &&
+         claim.yaw < kDegree * options_.plausible_yaw_deg;
+}
+
+std::vector<int> LoopConsistency::HeldNodes(const PoseGraph& graph) const {
+  std::vector<int> held;
+  for (const auto& [sequence, node] : forgotten_) {
+    held.push_back(node);
+  }
+  for (const Entry& entry : entries_) {
+    if (entry.state == State::kAccepted && IsFollowed(entry.loop, graph)) {
+      held.push_back(entry.loop.to);
     }
   }
-  const auto forgotten = forgotten_.find(sequence);
-  return forgotten != forgotten_.end() ? graph.PathLength(forgotten->second, node)
-                                       : graph.PathFromStart(node);
+  return held;
+}
+
+double LoopConsistency::PathToHeld(int node,
+                                   const std::vector<int>& held,
+                                   const PoseGraph& graph) const {
+  const int sequence = graph.node(node).sequence;
+  std::optional<double> path;
+  for (const int other : held) {
+    if (graph.node(other).sequence == sequence) {
+      const double way = graph.PathLength(other, node);
+      path = std::min(path.value_or(way), way);
+    }
+  }
+  return path.value_or(graph.PathFromStart(node));
 }
 
 void LoopConsistency::ForgetOldest(const PoseGraph& graph) {
   while (static_cast<int>(entries_.size()) > memory()) {
     const Entry& oldest = entries_.front();
-    if (oldest.state == State::kAccepted) {
+    if (oldest.state == State::kAccepted && IsFollowed(oldest.loop, graph)) {
       forgotten_[graph.node(oldest.loop.to).sequence] = oldest.loop.to;
     }
     entries_.pop_front();
@@ -121,26 +169,42 @@ void LoopConsistency::Withdraw(int tag, int from, int to, const PoseGraph& graph
   }
 }
 
-bool LoopConsistency::IsPlausible(const PoseGraphLoop& loop, const PoseGraph& graph) const {
-  const PoseGraphNode from = graph.node(loop.from);
-  const PoseGraphNode to = graph.node(loop.to);
-  const double path = PathSinceLoop(loop.to, graph);
+bool LoopConsistency::IsPlausible(const PoseGraphLoop& loop,
+                                  double path,
+                                  const PoseGraph& graph) const {
+  const Claim claim = ClaimOf(loop, graph);
+  const bool is_surprising =
+      claim.distance > options_.surprising_over_depth * loop.scene_depth &&
+      NormalisedInnovation(loop, graph) > options_.max_innovation_ratio * UsualInnovation();
+  const double soon =
+      is_surprising ? std::min(options_.surprising_over_depth, options_.plausible_soon_over_depth)
+                    : options_.plausible_soon_over_depth;
   const double over_depth =
-      options_.plausible_soon_over_depth +
-      std::min(1.0, path / loop.scene_depth) *
-          (options_.plausible_over_depth - options_.plausible_soon_over_depth);
-  const Eigen::Vector3d predicted = (from.T_M_B().Inverse() * to.T_M_B()).t;
-  const double yaw =
-      WrapAngle(to.psi - from.psi - DeltaPsi(from.T_W_B.q, loop.T_from_to.q, to.T_W_B.q));
-  return (predicted - loop.T_from_to.t).norm() <
-             over_depth * loop.scene_depth + options_.plausible_m_per_m * path &&
-         std::abs(yaw) <
+      soon + std::min(1.0, path / loop.scene_depth) * (options_.plausible_over_depth - soon);
+  return claim.distance < over_depth * loop.scene_depth + options_.plausible_m_per_m * path &&
+         claim.yaw <
              kDegree * (options_.plausible_yaw_deg + options_.plausible_yaw_deg_per_m * path);
 }
 
-bool LoopConsistency::IsBelieved(const Entry& entry,
-                                 const PoseGraph& graph,
-                                 bool* is_implausible) const {
+double LoopConsistency::UsualInnovation() const {
+  // Before there are loops to learn from: more than the covariances say, which points and odometry
+  // of a real camera don't keep.
+  constexpr double kExpected = 1.5;
+  constexpr double kWorthLoops = 10;
+  double sum = kWorthLoops * kExpected * kExpected;
+  double count = kWorthLoops;
+  for (const Entry& entry : entries_) {
+    if (entry.innovation >= 0) {
+      sum += entry.innovation * entry.innovation;
+      ++count;
+    }
+  }
+  return std::sqrt(sum / count);
+}
+
+LoopConsistency::State LoopConsistency::StateOf(const Entry& entry,
+                                                double path,
+                                                const PoseGraph& graph) const {
   int support = 0;
   int against = 0;
   const std::size_t begin =
@@ -155,12 +219,13 @@ bool LoopConsistency::IsBelieved(const Entry& entry,
     support += c.is_comparable && c.agrees ? 1 : 0;
     against += c.is_comparable && !c.agrees && other.state == State::kAccepted ? 1 : 0;
   }
-  *is_implausible = false;
   if (against > options_.max_support_ratio * support) {
-    return false;
+    return State::kPending;
   }
-  *is_implausible = !IsPlausible(entry.loop, graph);
-  return !*is_implausible && support >= options_.min_support;
+  if (!IsPlausible(entry.loop, path, graph)) {
+    return State::kImplausible;
+  }
+  return support >= options_.min_support ? State::kAccepted : State::kPending;
 }
 
 void LoopConsistency::Believe(Entry* entry, const PoseGraph& graph) {
@@ -182,8 +247,9 @@ std::vector<LoopConsistency::Entry> LoopConsistency::Judge(const PoseGraphLoop& 
   // Oldest first. Judged against the entries as they stand: one that is believed now speaks against
   // later ones at the next call.
   std::vector<std::pair<std::size_t, State>> changes;
+  const std::vector<int> held = HeldNodes(graph);
   for (std::size_t i = begin; i < entries_.size(); ++i) {
-    const Entry& entry = entries_[i];
+    Entry& entry = entries_[i];
     if (entry.state == State::kAccepted) {
       continue;
     }
@@ -191,11 +257,12 @@ std::vector<LoopConsistency::Entry> LoopConsistency::Judge(const PoseGraphLoop& 
     if (i + 1 != entries_.size() && !Compare(entry.loop, loop, graph).agrees) {
       continue;
     }
-    bool is_implausible = false;
-    if (IsBelieved(entry, graph, &is_implausible)) {
-      changes.emplace_back(i, State::kAccepted);
-    } else {
-      changes.emplace_back(i, is_implausible ? State::kImplausible : State::kPending);
+    const double path = PathToHeld(entry.loop.to, held, graph);
+    const State state = StateOf(entry, path, graph);
+    changes.emplace_back(i, state);
+    constexpr double kRightAfter = 0.25;  // of the scene's depth
+    if (state == State::kAccepted && path < kRightAfter * entry.loop.scene_depth) {
+      entry.innovation = NormalisedInnovation(entry.loop, graph);
     }
   }
   for (const auto& [i, state] : changes) {

@@ -38,8 +38,12 @@ struct LoopConsistencyOptions {
   double plausible_soon_over_depth = 0.1;  ///< right after another loop
   double plausible_over_depth = 0.2;       ///< after a way as long as the scene is deep, and later
   double plausible_m_per_m = 0.03;         ///< [m] more per metre flown since the last loop
-  double plausible_yaw_deg = 4.0;          ///< [deg] always
-  double plausible_yaw_deg_per_m = 0.3;    ///< [deg] more per metre flown since the last loop
+  /// Right after another loop, when a loop is more surprising than usual: its normalised innovation
+  /// exceeds the root mean square of that of the newest believed loops by `max_innovation_ratio`.
+  double surprising_over_depth = 0.04;
+  double max_innovation_ratio = 3.0;
+  double plausible_yaw_deg = 4.0;        ///< [deg] always
+  double plausible_yaw_deg_per_m = 0.3;  ///< [deg] more per metre flown since the last loop
 
   template <typename Visitor>
   void Visit(Visitor& v) {
@@ -58,6 +62,8 @@ struct LoopConsistencyOptions {
     v("plausible_soon_over_depth", plausible_soon_over_depth);
     v("plausible_over_depth", plausible_over_depth);
     v("plausible_m_per_m", plausible_m_per_m);
+    v("surprising_over_depth", surprising_over_depth);
+    v("max_innovation_ratio", max_innovation_ratio);
     v("plausible_yaw_deg", plausible_yaw_deg);
     v("plausible_yaw_deg_per_m", plausible_yaw_deg_per_m);
   }
@@ -70,7 +76,10 @@ struct LoopConsistencyOptions {
 /// with those that waited for it. Keyframes of a loaded map are as far apart as the map says.
 /// Consistent loops that claim more drift than the VIO can have gathered (a repeated structure seen
 /// from frame to frame) stay out however many agree: copies of a place see it as often as it is
-/// seen. What the VIO can have gathered grows with the way flown since the last loop.
+/// seen. What the VIO can have gathered grows with the way flown since the last loop; right after
+/// one the trajectory is known about as well as the loops of late agreed with it, in units of their
+/// own standard deviations, whatever the VIO and its points are worth (normalised innovation;
+/// Bar-Shalom et al., Estimation with Applications to Tracking and Navigation, 2001, 5.4).
 /// The first loops that join two worlds may have seen copies, too. A join falls when loops that
 /// stay out would join the worlds otherwise, and show more places of the older one than all loops
 /// that were believed: a copy is of some places, the truth shows all that come in view.
@@ -81,6 +90,8 @@ class LoopConsistency {
     PoseGraphLoop loop;
     int tag = 0;  ///< the caller's
     State state = State::kPending;
+    /// Normalised, when it was believed right after another loop; negative: not known.
+    double innovation = -1;
   };
 
   /// What one more loop led to.
@@ -139,16 +150,24 @@ class LoopConsistency {
   /// Those of `entries` that most of the others do not contradict.
   std::vector<std::size_t> AgreeingAmongThemselves(const std::vector<std::size_t>& entries,
                                                    const PoseGraph& graph) const;
-  bool IsBelieved(const Entry& entry, const PoseGraph& graph, bool* is_implausible) const;
-  bool IsPlausible(const PoseGraphLoop& loop, const PoseGraph& graph) const;
-  double PathSinceLoop(int node, const PoseGraph& graph) const;
+  /// `path`: see PathToHeld.
+  State StateOf(const Entry& entry, double path, const PoseGraph& graph) const;
+  bool IsPlausible(const PoseGraphLoop& loop, double path, const PoseGraph& graph) const;
+  /// The graph has moved the trajectory to where the loop says; a first loop alone moves nothing.
+  bool IsFollowed(const PoseGraphLoop& loop, const PoseGraph& graph) const;
+  /// Where believed loops hold the trajectory.
+  std::vector<int> HeldNodes(const PoseGraph& graph) const;
+  /// Way flown [m] between a node and the nearest of `held`, or the start of its sequence.
+  double PathToHeld(int node, const std::vector<int>& held, const PoseGraph& graph) const;
+  /// Root mean square of the newest believed loops' normalised innovations.
+  double UsualInnovation() const;
   void ForgetOldest(const PoseGraph& graph);
 
   LoopConsistencyOptions options_;
   std::deque<Entry> entries_;
   /// Believed loops between two sequences, by them and the place in the older one.
   std::map<std::pair<int, int>, std::map<int, int>> joining_;
-  /// Per sequence: node of the newest believed loop among those forgotten.
+  /// Per sequence: node of the newest believed and followed loop among those forgotten.
   std::map<int, int> forgotten_;
 };
 

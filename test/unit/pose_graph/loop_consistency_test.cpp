@@ -2,6 +2,7 @@
 
 #include "deja_view/base/angles.hpp"
 
+#include <numeric>
 #include <vector>
 
 #include "rounds.hpp"
@@ -118,6 +119,57 @@ TEST(LoopConsistency, RightAfterAnotherALoopMayClaimLessDrift) {
   }
 }
 
+std::vector<int> Range(int first, int end) {
+  std::vector<int> range(static_cast<std::size_t>(end - first));
+  std::iota(range.begin(), range.end(), first);
+  return range;
+}
+
+/// 0.3 m off where 5 m are seen: 2.8 standard deviations per degree of freedom, and few enough that
+/// it agrees with the others.
+PoseGraphLoop SurprisingLoop(int i) {
+  PoseGraphLoop loop = WrongLoop(i, i + kPerRound, {Eigen::Quaterniond::Identity(), {0, 0.3, 0}});
+  loop.covariance.topLeftCorner<3, 3>() = Eigen::Matrix3d::Identity() * 0.05 * 0.05;
+  return loop;
+}
+
+TEST(LoopConsistency, ALoopThatSurprisesMoreThanOthersDidMayClaimLess) {
+  const auto state = [](int loops_before, int steps) {
+    PoseGraph graph = MakeGraph();
+    LoopConsistency consistency({});
+    AddTrueLoops(Range(0, loops_before), &consistency, &graph);
+    return consistency.Add(SurprisingLoop(loops_before - 1 + steps), 100, graph).state;
+  };
+  EXPECT_EQ(state(20, 1), State::kImplausible);
+  EXPECT_EQ(state(3, 1), State::kAccepted) << "nothing is usual yet";
+  EXPECT_EQ(state(20, 17), State::kAccepted) << "the odometry may have drifted in 5.3 m";
+}
+
+TEST(LoopConsistency, DriftAfterALongWayMakesNoSurpriseUsual) {
+  const Rigid3 jump{Eigen::Quaterniond::Identity(), {0, 0.3, 0}};
+  PoseGraph graph = MakeGraph(jump, 61);
+  LoopConsistency consistency({});
+  AddTrueLoops(Range(0, 20), &consistency, &graph);
+  ASSERT_EQ(AddTrueLoops({37, 38, 39}, &consistency, &graph), std::vector<int>({37, 38, 39}));
+  EXPECT_EQ(consistency.Add(SurprisingLoop(20), 100, graph).state, State::kImplausible);
+}
+
+TEST(LoopConsistency, ALoopDoesNotBecomePlausibleByWaiting) {
+  PoseGraph graph = MakeGraph();
+  LoopConsistency consistency({});
+  ASSERT_EQ(AddTrueLoops({3, 5, 7}, &consistency, &graph).size(), 3U);
+  PoseGraphLoop loop = WrongLoop(8, 8 + kPerRound, {Eigen::Quaterniond::Identity(), {0, 0.7, 0}});
+  loop.covariance *= 1e4;  // it agrees with all
+  ASSERT_EQ(consistency.Add(loop, 100, graph).state, State::kImplausible);
+  EXPECT_EQ(AddTrueLoops(Range(30, 38), &consistency, &graph), Range(30, 38));
+}
+
+TEST(LoopConsistency, LoopsThatHaveNotMovedTheTrajectoryYetDontHoldIt) {
+  const Rigid3 jump{Eigen::Quaterniond::Identity(), {0, 0.9, 0}};
+  EXPECT_EQ(StateAfterLoops(jump, 3), State::kAccepted);
+  EXPECT_EQ(StateAfterLoops(jump, 4), State::kAccepted);
+}
+
 TEST(LoopConsistency, ImplausibleYawStaysOutHoweverManyLoopsClaimIt) {
   // Turned about the drone, so that nearly nothing but yaw is wrong.
   const auto turn = [](double degrees) {
@@ -193,6 +245,8 @@ TEST(LoopConsistencyOptions, ListsAllViolations) {
   options.plausible_soon_over_depth = 0;
   options.plausible_over_depth = 0;
   options.plausible_m_per_m = -1;
+  options.surprising_over_depth = 0;
+  options.max_innovation_ratio = 0;
   options.plausible_yaw_deg = 0;
   options.plausible_yaw_deg_per_m = -1;
   options.min_span_over_depth = -1;
@@ -200,7 +254,7 @@ TEST(LoopConsistencyOptions, ListsAllViolations) {
   options.max_rival_ratio = -1;
   options.span_window = 0;
   const auto errors = options.Validate();
-  ASSERT_EQ(errors.size(), 15U);
+  ASSERT_EQ(errors.size(), 17U);
   EXPECT_EQ(errors.front(), "min_support: -1, expected at least 0");
   EXPECT_EQ(errors.back(), "plausible_yaw_deg_per_m: -1, expected at least 0");
 }
