@@ -111,11 +111,14 @@ double MotionStereo::MedianDepth(double otherwise) const {
   return *middle;
 }
 
-std::vector<MotionStereo::Partner> MotionStereo::ChoosePartners(const Rigid3& T_W_C,
+std::vector<MotionStereo::Partner> MotionStereo::ChoosePartners(const Image& image,
                                                                 double depth_m) const {
   std::vector<Partner> usable;
   for (std::size_t i = recent_.size(); i-- > 0;) {
-    const Rigid3 T_b_a = recent_[i].T_W_C.Inverse() * T_W_C;
+    if (image.wanted <= 0 && recent_[i].wanted <= 0) {
+      continue;
+    }
+    const Rigid3 T_b_a = recent_[i].T_W_C.Inverse() * image.T_W_C;
     const double parallax = T_b_a.t.norm() / depth_m;
     if (parallax >= kMinParallax && parallax <= kMaxParallax &&
         Overlap(T_b_a, depth_m) >= options_.min_overlap) {
@@ -148,14 +151,13 @@ std::vector<const MotionStereo::Image*> MotionStereo::Add(
   while (recent_.size() > static_cast<std::size_t>(std::max(0, options_.recent))) {
     recent_.pop_front();
   }
-  Image image{id, T_W_C, std::move(view)};
+  const bool has_enough = tracked >= static_cast<std::size_t>(options_.enough);
+  Image image{id, T_W_C, std::move(view), has_enough ? 0 : options_.partners};
   std::vector<std::size_t> changed;
   const double median_m = MedianDepth(depth_m);
   TriangulationOptions pair = options_.pair;
   pair.min_depth_m = std::max(pair.min_depth_m, options_.min_depth_ratio * median_m);
-  const bool is_matched = tracked < static_cast<std::size_t>(options_.enough);
-  for (const Partner& partner :
-       is_matched ? ChoosePartners(T_W_C, median_m) : std::vector<Partner>()) {
+  for (const Partner& partner : ChoosePartners(image, median_m)) {
     Image& other = recent_[partner.index];
     const Rigid3 T_b_a = other.T_W_C.Inverse() * T_W_C;
     const double root = std::sqrt(T_b_a.t.norm());
@@ -163,6 +165,8 @@ std::vector<const MotionStereo::Image*> MotionStereo::Add(
                           ToRadians(options_.yaw_sigma_per_sqrt_m_deg) * root};
     if (TriangulatePair(T_b_a, noise, *camera_, pair, &image.view, &other.view) > 0) {
       changed.push_back(partner.index);
+      --image.wanted;
+      --other.wanted;
     }
   }
   recent_.push_back(std::move(image));

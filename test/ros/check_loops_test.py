@@ -83,6 +83,9 @@ class CheckLoopsTest(unittest.TestCase):
             figures = json.load(file)
         self.assertEqual((figures["flights"], figures["wrong"]), (2, 0))
         loops = {row["mode"]: row["flights"]["1"]["loops"] for row in figures["rows"]}
+        worst = {row["mode"]: row["flights"]["1"].get("worst_m") for row in figures["rows"]}
+        self.assertTrue(0 < worst["alone"] < 0.5, worst)
+        self.assertIsNone(worst["other"])
         self.assertGreater(loops["alone"], 10)
         self.assertEqual(loops["other"], 0)
 

@@ -41,7 +41,7 @@ struct LoopConsistencyOptions {
   /// Right after another loop, when a loop is more surprising than usual: its normalised innovation
   /// exceeds the root mean square of that of the newest believed loops by `max_innovation_ratio`.
   double surprising_over_depth = 0.04;
-  double max_innovation_ratio = 3.0;
+  double max_innovation_ratio = 2.0;
   double plausible_yaw_deg = 4.0;        ///< [deg] always
   double plausible_yaw_deg_per_m = 0.3;  ///< [deg] more per metre flown since the last loop
 

@@ -62,12 +62,14 @@ class MotionStereo {
     int id = -1;
     Rigid3 T_W_C;
     CornerView view;
+    int wanted = 0;  ///< partners; none with enough tracked points
   };
 
   /// Adds the next image and, unless it has `enough` tracked points, matches it with some of the
-  /// recent ones and fuses what that says of both sides' depths. Returns the images whose depths
-  /// may have changed, the new one first; valid until the next call. `depth_m`: how far away the
-  /// scene is, where nothing else is known.
+  /// recent ones and fuses what that says of both sides' depths. An image that lacked partners in
+  /// its past, as the first one does, gets them from those to come, also when these have enough.
+  /// Returns the images whose depths may have changed, the new one first; valid until the next
+  /// call. `depth_m`: how far away the scene is, where nothing else is known.
   std::vector<const Image*> Add(
       int id, const Rigid3& T_W_C, CornerView view, std::size_t tracked, double depth_m);
 
@@ -76,7 +78,7 @@ class MotionStereo {
     std::size_t index;  ///< in recent_
     double parallax;    ///< baseline over depth
   };
-  std::vector<Partner> ChoosePartners(const Rigid3& T_W_C, double depth_m) const;
+  std::vector<Partner> ChoosePartners(const Image& image, double depth_m) const;
   double Overlap(const Rigid3& T_b_a, double depth_m) const;
   double MedianDepth(double otherwise) const;
 

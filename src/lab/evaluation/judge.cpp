@@ -29,14 +29,15 @@ void JudgeLoops(const Flight& flight,
   std::vector<EvaluatedLoop> accepted;
   for (const FlownLoop& loop : flight.loops) {
     const EvaluatedLoop evaluated{loop.old, loop.current, loop.T_Bold_Bcurrent};
-    const std::optional<bool> is_correct = IsCorrect(judged->keyframes, evaluated, criteria);
-    judged->verdicts.push_back(!is_correct   ? Verdict::kUnknown
-                               : *is_correct ? Verdict::kCorrect
-                                             : Verdict::kWrong);
+    const std::optional<LoopError> error = ErrorOf(judged->keyframes, evaluated);
+    const bool is_correct = error && IsWithin(*error, criteria);
+    judged->verdicts.push_back(!error       ? Verdict::kUnknown
+                               : is_correct ? Verdict::kCorrect
+                                            : Verdict::kWrong);
     if (loop.is_accepted) {
       accepted.push_back(evaluated);
       judged->virtual_loops += loop.is_virtual ? 1 : 0;
-      judged->virtual_correct += loop.is_virtual && is_correct.value_or(false) ? 1 : 0;
+      judged->virtual_correct += loop.is_virtual && is_correct ? 1 : 0;
     }
   }
   judged->score = ScoreLoops(judged->keyframes, accepted, T_B_C, criteria);

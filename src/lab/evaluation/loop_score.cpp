@@ -3,12 +3,13 @@
 #include "deja_view/base/angles.hpp"
 #include "deja_view/base/check.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace deja_view {
-std::optional<bool> IsCorrect(const std::vector<TrueKeyframe>& keyframes,
-                              const EvaluatedLoop& loop,
-                              const LoopCriteria& criteria) {
+
+std::optional<LoopError> ErrorOf(const std::vector<TrueKeyframe>& keyframes,
+                                 const EvaluatedLoop& loop) {
   const TrueKeyframe& old = keyframes.at(static_cast<std::size_t>(loop.old));
   const TrueKeyframe& current = keyframes.at(static_cast<std::size_t>(loop.current));
   if (!old.T_truth_B || !current.T_truth_B) {
@@ -16,8 +17,11 @@ std::optional<bool> IsCorrect(const std::vector<TrueKeyframe>& keyframes,
   }
   const Rigid3 error =
       loop.T_Bold_Bcurrent.Inverse() * (old.T_truth_B->Inverse() * *current.T_truth_B);
-  return error.t.norm() < criteria.max_error_m &&
-         RotationAngle(error.q) < criteria.max_error_deg * kDegree;
+  return LoopError{error.t.norm(), RotationAngle(error.q) / kDegree};
+}
+
+bool IsWithin(const LoopError& error, const LoopCriteria& criteria) {
+  return error.distance_m < criteria.max_error_m && error.angle_deg < criteria.max_error_deg;
 }
 
 bool IsRevisit(const TrueKeyframe& current,
@@ -42,10 +46,14 @@ LoopScore ScoreLoops(const std::vector<TrueKeyframe>& keyframes,
   LoopScore score;
   std::vector<bool> is_found(keyframes.size(), false);
   for (const EvaluatedLoop& loop : loops) {
-    const std::optional<bool> judged = IsCorrect(keyframes, loop, criteria);
-    const bool is_correct = judged.value_or(false);
+    const std::optional<LoopError> error = ErrorOf(keyframes, loop);
+    const bool is_correct = error && IsWithin(*error, criteria);
     ++score.accepted;
-    score.judged += judged ? 1 : 0;
+    if (error) {
+      ++score.judged;
+      score.worst.distance_m = std::max(score.worst.distance_m, error->distance_m);
+      score.worst.angle_deg = std::max(score.worst.angle_deg, error->angle_deg);
+    }
     score.correct += is_correct ? 1 : 0;
     score.is_correct.push_back(is_correct);
     if (is_correct) {

@@ -104,6 +104,8 @@ Json Figures(const JudgedFlight& judged) {
   json["loops_correct"] = judged.score.correct;
   json["precision"] = judged.score.precision();
   json["recall"] = judged.score.recall();
+  json["loop_error_max_m"] = judged.score.worst.distance_m;
+  json["loop_error_max_deg"] = judged.score.worst.angle_deg;
   json["loops_virtual"] = judged.virtual_loops;
   json["loops_virtual_correct"] = judged.virtual_correct;
   json["map_revisits"] = judged.map_revisits;

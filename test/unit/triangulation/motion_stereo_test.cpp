@@ -105,6 +105,17 @@ TEST_F(MotionStereoTest, AnImageWithEnoughTrackedPointsIsNotMatchedButHelpsTheNe
   EXPECT_GT(CountCertain(*Add(2, Pose({0, 0.5, 0}, 5), enough - 1).front()), 50);
 }
 
+TEST_F(MotionStereoTest, AnImageWithoutTrackedPointsLearnsFromThoseWithEnough) {
+  const auto enough = static_cast<std::size_t>(options_.enough);
+  Add(0, Pose({0, 0, 0}, 0), enough - 1);
+  Add(1, Pose({0, 0.01, 0}, 0), enough);
+  const auto images = Add(2, Pose({0, 0.3, 0}, 5), enough);
+  ASSERT_EQ(images.size(), 2U);
+  EXPECT_EQ(images[1]->id, 0);
+  EXPECT_GT(CountCertain(*images[1]), 50);
+  EXPECT_LT(ShareWrong(*images[1]), 0.05);
+}
+
 TEST_F(MotionStereoTest, ImagesThatShareNoViewAreNoPartners) {
   Add(0, Pose({0, 0, 0}, 0));
   EXPECT_EQ(Add(1, Pose({0, 0.3, 0}, 90)).size(), 1U);

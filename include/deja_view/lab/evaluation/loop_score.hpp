@@ -31,6 +31,12 @@ struct EvaluatedLoop {
   Rigid3 T_Bold_Bcurrent;
 };
 
+/// Of a relative pose.
+struct LoopError {
+  double distance_m = 0;
+  double angle_deg = 0;
+};
+
 struct LoopScore {
   int accepted = 0;
   int judged = 0;  ///< accepted loops whose two ends have a true pose
@@ -38,6 +44,7 @@ struct LoopScore {
   int revisits = 0;              ///< keyframes that the truth says revisit
   int revisits_found = 0;        ///< of those, the ones with a correct loop
   std::vector<bool> is_correct;  ///< per loop
+  LoopError worst;               ///< of the judged ones, position and rotation each by itself
 
   double precision() const { return judged > 0 ? 1.0 * correct / judged : 1.0; }
   double recall() const { return revisits > 0 ? 1.0 * revisits_found / revisits : 0.0; }
@@ -51,11 +58,12 @@ bool IsRevisit(const TrueKeyframe& current,
                const Rigid3& T_B_C,
                const LoopCriteria& criteria = {});
 
-/// Whether a loop's relative pose is within the limits of the true one; nothing where the truth
-/// does not cover both ends.
-std::optional<bool> IsCorrect(const std::vector<TrueKeyframe>& keyframes,
-                              const EvaluatedLoop& loop,
-                              const LoopCriteria& criteria = {});
+/// How far a loop's relative pose is from the true one; nothing where the truth does not cover both
+/// ends.
+std::optional<LoopError> ErrorOf(const std::vector<TrueKeyframe>& keyframes,
+                                 const EvaluatedLoop& loop);
+
+bool IsWithin(const LoopError& error, const LoopCriteria& criteria);
 
 /// Judges loops against the truth; recall counts keyframes. `T_B_C` gives the viewing direction,
 /// the camera's z. Keyframes of a loaded map are old whatever their stamps say.

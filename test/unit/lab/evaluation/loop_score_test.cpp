@@ -1,5 +1,7 @@
 #include "deja_view/lab/evaluation/loop_score.hpp"
 
+#include "deja_view/base/angles.hpp"
+
 #include "looks_ahead.hpp"
 #include <gtest/gtest.h>
 
@@ -39,6 +41,8 @@ TEST(ScoreLoops, JudgesLoopsByTheirRelativePose) {
   EXPECT_EQ(score.is_correct, (std::vector<bool>{false, false, true}));
   EXPECT_EQ(score.revisits, 2);
   EXPECT_EQ(score.revisits_found, 1);
+  EXPECT_NEAR(score.worst.distance_m, 0.51, 1e-9);
+  EXPECT_NEAR(score.worst.angle_deg, ToDegrees(0.18), 1e-9);
 }
 
 TEST(ScoreLoops, LeavesOutWhatTheTruthDoesNotCover) {
@@ -47,6 +51,7 @@ TEST(ScoreLoops, LeavesOutWhatTheTruthDoesNotCover) {
   const LoopScore score = ScoreLoops(keyframes, {{0, 1, {}}}, kLooksAhead);
   EXPECT_EQ(score.accepted, 1);
   EXPECT_EQ(score.judged, 0);
+  EXPECT_EQ(score.worst.distance_m, 0);
   EXPECT_EQ(score.revisits, 0);
 }
 
