@@ -15,19 +15,10 @@
 namespace deja_view {
 namespace {
 
-template <int kSize>
-std::array<float, kSize> Floats(const Eigen::Matrix<double, kSize, 1>& values) {
-  std::array<float, kSize> floats = {};
-  for (int i = 0; i < kSize; ++i) {
-    floats[static_cast<std::size_t>(i)] = static_cast<float>(values[i]);
-  }
-  return floats;
-}
-
 void WriteLoops(std::ostream& out, const LoopRows& loops) {
   out << "stamp_current_ns,stamp_old_ns,tx,ty,tz,qx,qy,qz,qw,score,inliers,virtual,accepted,"
          "reason\n";
-  for (const LoopRow& loop : loops) {
+  loops.ForEach([&out](const LoopRow& loop) {
     out << fmt::format("{},{},{:.6f},{:.8f},{:.6f},{},{},{},{}\n",
                        loop.stamp_current_ns,
                        loop.stamp_old_ns,
@@ -38,7 +29,21 @@ void WriteLoops(std::ostream& out, const LoopRows& loops) {
                        loop.is_virtual ? 1 : 0,
                        loop.accepted() ? 1 : 0,
                        EnumToString(loop.reason));
+  });
+}
+
+/// Calls `add` for all that were not withdrawn, and returns (old, current) of those that were.
+template <typename Add>
+std::set<std::pair<int, int>> AddDecided(const std::vector<LoopReport>& told, const Add& add) {
+  std::set<std::pair<int, int>> withdrawn;
+  for (const LoopReport& loop : told) {
+    if (loop.reason == RejectReason::kWithdrawn) {
+      withdrawn.emplace(loop.old, loop.current);
+    } else {
+      add(loop);
+    }
   }
+  return withdrawn;
 }
 
 void WriteMatches(std::ostream& out, const std::vector<LoopMatches>& matches) {
@@ -60,28 +65,13 @@ void WriteMatches(std::ostream& out, const std::vector<LoopMatches>& matches) {
 
 }  // namespace
 
-LoopRow::LoopRow(const LoopReport& report)
-    : stamp_current_ns(report.stamp_current_ns),
-      stamp_old_ns(report.stamp_old_ns),
-      t_Bold_Bcurrent(Floats<3>(report.T_Bold_Bcurrent.t)),
-      q_Bold_Bcurrent(Floats<4>(report.T_Bold_Bcurrent.q.coeffs())),
-      score(static_cast<float>(report.score)),
-      current(report.current),
-      old(report.old),
-      inliers(report.inliers),
-      is_virtual(report.is_virtual),
-      reason(report.reason) {}
+void AddLoopRows(const std::vector<LoopReport>& told, LoopRows* rows) {
+  rows->Withdraw(AddDecided(told, [rows](const LoopReport& loop) { rows->Add(loop); }));
+}
 
-template <typename Rows>
-void AddLoopRows(const std::vector<LoopReport>& told, Rows* rows) {
-  std::set<std::pair<int, int>> withdrawn;
-  for (const LoopReport& loop : told) {
-    if (loop.reason == RejectReason::kWithdrawn) {
-      withdrawn.emplace(loop.old, loop.current);
-    } else {
-      rows->emplace_back(loop);
-    }
-  }
+void AddLoopRows(const std::vector<LoopReport>& told, std::vector<LoopReport>* rows) {
+  std::set<std::pair<int, int>> withdrawn =
+      AddDecided(told, [rows](const LoopReport& loop) { rows->push_back(loop); });
   for (auto row = rows->rbegin(); row != rows->rend() && !withdrawn.empty(); ++row) {
     if (row->accepted() && withdrawn.erase({row->old, row->current}) > 0) {
       row->reason = RejectReason::kWithdrawn;
@@ -89,9 +79,6 @@ void AddLoopRows(const std::vector<LoopReport>& told, Rows* rows) {
   }
   DEJA_VIEW_CHECK(withdrawn.empty());
 }
-
-template void AddLoopRows(const std::vector<LoopReport>& told, std::vector<LoopReport>* rows);
-template void AddLoopRows(const std::vector<LoopReport>& told, LoopRows* rows);
 
 std::vector<KeyframeInfo> ListKeyframes(const LoopCloser& closer, int most) {
   std::vector<KeyframeInfo> keyframes;

@@ -1,41 +1,18 @@
 #pragma once
 
+#include "deja_view/fusion/loop_rows.hpp"
 #include "deja_view/pipeline/loop_closer.hpp"
 
-#include <array>
-#include <cstdint>
-#include <deque>
 #include <filesystem>
 #include <limits>
 #include <vector>
 
 namespace deja_view {
 
-/// What loops.csv tells of a loop: a seventh of a report, since a flight keeps all of them.
-struct LoopRow {
-  LoopRow(const LoopReport& report);  // NOLINT(google-explicit-constructor): a part of it
-
-  std::int64_t stamp_current_ns;
-  std::int64_t stamp_old_ns;
-  std::array<float, 3> t_Bold_Bcurrent;  ///< [m]
-  std::array<float, 4> q_Bold_Bcurrent;  ///< x, y, z, w
-  float score;
-  int current;  ///< index of the keyframe
-  int old;
-  int inliers;
-  bool is_virtual;
-  RejectReason reason;
-
-  bool accepted() const { return reason == RejectReason::kNone; }
-};
-
-/// No vector, which would hold them twice when it grows.
-using LoopRows = std::deque<LoopRow>;
-
 /// Adds what a keyframe told of loops to a flight's rows. A withdrawn loop becomes no row of its
-/// own: the one that was accepted is no more. `Rows`: LoopRows or std::vector<LoopReport>.
-template <typename Rows>
-void AddLoopRows(const std::vector<LoopReport>& told, Rows* rows);
+/// own: the one that was accepted is no more.
+void AddLoopRows(const std::vector<LoopReport>& told, LoopRows* rows);
+void AddLoopRows(const std::vector<LoopReport>& told, std::vector<LoopReport>* rows);
 
 /// All keyframes, a loaded map's too; of more than `most` that many, spread evenly, the newest
 /// among them.

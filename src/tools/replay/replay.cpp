@@ -184,11 +184,12 @@ ReplayResult RunReplay(const ReplayRequest& request) {
   result.peak_rss_mb = PeakRssMb();
   result.wall_s = SecondsSince(start);
   if (!request.out.empty()) {
-    WriteResultFiles(request.out,
-                     result.keyframes,
-                     result.map_keyframes,
-                     {result.loops.begin(), result.loops.end()},
-                     result.matches.Sorted());
+    LoopRows rows;
+    for (const LoopReport& loop : result.loops) {
+      rows.Add(loop);
+    }
+    WriteResultFiles(
+        request.out, result.keyframes, result.map_keyframes, rows, result.matches.Sorted());
   }
   return result;
 }

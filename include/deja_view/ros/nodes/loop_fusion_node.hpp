@@ -103,7 +103,7 @@ class LoopFusionNode {
   // Guarded by LoopFusion::WithLoopCloser, as on_keyframe is.
   int first_own_sequence_ = 0;
   int first_own_keyframe_ = 0;
-  LoopRows loops_;
+  LoopRows loops_{parameters_.output_directory};
   MatchSamples matches_;
 
   ErrorPolicy errors_{[this](const std::string& what) { OnProblem(what); }};  ///< of all callbacks
