@@ -114,6 +114,10 @@ TEST_F(MotionStereoTest, AnImageWithoutTrackedPointsLearnsFromThoseWithEnough) {
   EXPECT_EQ(images[1]->id, 0);
   EXPECT_GT(CountCertain(*images[1]), 50);
   EXPECT_LT(ShareWrong(*images[1]), 0.05);
+  for (int i = 1; i < options_.partners; ++i) {
+    EXPECT_EQ(Add(2 + i, Pose({0, 0.3 + 0.05 * i, 0}, 5), enough).size(), 2U) << i;
+  }
+  EXPECT_EQ(Add(9, Pose({0, 0.5, 0}, 5), enough).size(), 1U) << "it has all its partners";
 }
 
 TEST_F(MotionStereoTest, ImagesThatShareNoViewAreNoPartners) {
