@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
-#include <cstring>
 #include <string>
+#include <system_error>
 #include <type_traits>
 
 #include <fcntl.h>
@@ -148,7 +148,7 @@ void LoopRows::Throw(const char* what) const {
   ThrowInputError("{}: the flight's loops can't be {} there: {}",
                   directory_.string(),
                   what,
-                  std::strerror(errno));
+                  std::generic_category().message(errno));
 }
 
 }  // namespace deja_view

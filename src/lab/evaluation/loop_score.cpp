@@ -39,27 +39,40 @@ bool IsRevisit(const TrueKeyframe& current,
          std::cos(criteria.revisit_angle_deg * kDegree);
 }
 
+namespace {
+
+/// Judges each loop; returns, per keyframe, whether a correct one is its.
+std::vector<bool> CountLoops(const std::vector<TrueKeyframe>& keyframes,
+                             const std::vector<EvaluatedLoop>& loops,
+                             const LoopCriteria& criteria,
+                             LoopScore* score) {
+  std::vector<bool> is_found(keyframes.size(), false);
+  for (const EvaluatedLoop& loop : loops) {
+    const std::optional<LoopError> error = ErrorOf(keyframes, loop);
+    const bool is_correct = error && IsWithin(*error, criteria);
+    ++score->accepted;
+    if (error) {
+      ++score->judged;
+      score->worst.distance_m = std::max(score->worst.distance_m, error->distance_m);
+      score->worst.angle_deg = std::max(score->worst.angle_deg, error->angle_deg);
+    }
+    score->correct += is_correct ? 1 : 0;
+    score->is_correct.push_back(is_correct);
+    if (is_correct) {
+      is_found[static_cast<std::size_t>(loop.current)] = true;
+    }
+  }
+  return is_found;
+}
+
+}  // namespace
+
 LoopScore ScoreLoops(const std::vector<TrueKeyframe>& keyframes,
                      const std::vector<EvaluatedLoop>& loops,
                      const Rigid3& T_B_C,
                      const LoopCriteria& criteria) {
   LoopScore score;
-  std::vector<bool> is_found(keyframes.size(), false);
-  for (const EvaluatedLoop& loop : loops) {
-    const std::optional<LoopError> error = ErrorOf(keyframes, loop);
-    const bool is_correct = error && IsWithin(*error, criteria);
-    ++score.accepted;
-    if (error) {
-      ++score.judged;
-      score.worst.distance_m = std::max(score.worst.distance_m, error->distance_m);
-      score.worst.angle_deg = std::max(score.worst.angle_deg, error->angle_deg);
-    }
-    score.correct += is_correct ? 1 : 0;
-    score.is_correct.push_back(is_correct);
-    if (is_correct) {
-      is_found[static_cast<std::size_t>(loop.current)] = true;
-    }
-  }
+  const std::vector<bool> is_found = CountLoops(keyframes, loops, criteria, &score);
   for (std::size_t i = 0; i < keyframes.size(); ++i) {
     const TrueKeyframe& current = keyframes[i];
     if (current.is_old_only || !current.T_truth_B) {
