@@ -25,7 +25,10 @@ std::filesystem::path SoundRun() {
     matches.stamp_current_ns = loop.stamp_current_ns;
     matches.stamp_old_ns = loop.stamp_old_ns;
     matches.pairs.resize(3);
-    WriteResultFiles(Scratch() / "run", keyframes, 0, {loop, loop}, {matches});
+    LoopRows rows;
+    rows.Add(loop);
+    rows.Add(loop);
+    WriteResultFiles(Scratch() / "run", keyframes, 0, rows, {matches});
     return Scratch() / "run";
   }();
   return directory;
