@@ -11,7 +11,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 
 from flight import EXTRINSIC, IMAGE, POINTS, POSE, Flight, NodeOutputs, wait_until
 
-SPEED = 2.0
+SPEED = 1.0  # of time: the image of 67 MB holds up the others' topic, on a busy machine for more than a second
 
 
 class Saboteur:
