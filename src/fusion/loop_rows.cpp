@@ -48,24 +48,12 @@ bool WriteAll(int descriptor, const LoopRow* rows, std::size_t count, std::size_
   while (done < size) {
     const ssize_t written =
         ::pwrite(descriptor, bytes + done, size - done, OffsetOf(first) + static_cast<off_t>(done));
-    if (written <= 0 && errno != EINTR) {
+    if (written == 0 || (written < 0 && errno != EINTR)) {
       return false;
     }
     done += written > 0 ? static_cast<std::size_t>(written) : 0;
   }
   return true;
-}
-
-/// Erases from `loops` those whose accepted rows it finds, and marks these; true for any.
-bool Mark(std::vector<LoopRow>* rows, std::set<std::pair<int, int>>* loops) {
-  bool is_changed = false;
-  for (auto row = rows->rbegin(); row != rows->rend() && !loops->empty(); ++row) {
-    if (row->accepted() && loops->erase({row->old, row->current}) > 0) {
-      row->reason = RejectReason::kWithdrawn;
-      is_changed = true;
-    }
-  }
-  return is_changed;
 }
 
 }  // namespace
@@ -125,10 +113,11 @@ std::vector<LoopRow> LoopRows::ReadBlock(std::size_t first) const {
 }
 
 void LoopRows::Withdraw(std::set<std::pair<int, int>> loops) {
-  Mark(&newest_, &loops);
+  MarkWithdrawn(&newest_, &loops);
   for (std::size_t end = filed_; end > 0 && !loops.empty(); end -= kBlockRows) {
     std::vector<LoopRow> rows = ReadBlock(end - kBlockRows);
-    if (Mark(&rows, &loops) && !WriteAll(descriptor_, rows.data(), rows.size(), end - kBlockRows)) {
+    if (MarkWithdrawn(&rows, &loops) &&
+        !WriteAll(descriptor_, rows.data(), rows.size(), end - kBlockRows)) {
       Throw("written");
     }
   }

@@ -72,11 +72,7 @@ void AddLoopRows(const std::vector<LoopReport>& told, LoopRows* rows) {
 void AddLoopRows(const std::vector<LoopReport>& told, std::vector<LoopReport>* rows) {
   std::set<std::pair<int, int>> withdrawn =
       AddDecided(told, [rows](const LoopReport& loop) { rows->push_back(loop); });
-  for (auto row = rows->rbegin(); row != rows->rend() && !withdrawn.empty(); ++row) {
-    if (row->accepted() && withdrawn.erase({row->old, row->current}) > 0) {
-      row->reason = RejectReason::kWithdrawn;
-    }
-  }
+  MarkWithdrawn(rows, &withdrawn);
   DEJA_VIEW_CHECK(withdrawn.empty());
 }
 

@@ -32,6 +32,20 @@ struct LoopRow {
   bool accepted() const { return reason == RejectReason::kNone; }
 };
 
+/// Marks the newest accepted row of each (old, current) of `loops` as withdrawn and erases the pair
+/// there; true for any. `Rows`: of LoopRow or LoopReport.
+template <typename Rows>
+bool MarkWithdrawn(Rows* rows, std::set<std::pair<int, int>>* loops) {
+  bool is_any = false;
+  for (auto row = rows->rbegin(); row != rows->rend() && !loops->empty(); ++row) {
+    if (row->accepted() && loops->erase({row->old, row->current}) > 0) {
+      row->reason = RejectReason::kWithdrawn;
+      is_any = true;
+    }
+  }
+  return is_any;
+}
+
 /// All rows of a flight, in the order of decision. Memory does not grow with the flight: all but
 /// the newest few thousand rows lie in a file without a name, which ends with the process. Where
 /// none can be written, or the disk is full, they stay in memory.
